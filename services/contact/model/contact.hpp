@@ -1,10 +1,23 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "math/pose.hpp"
 
 namespace tact::contact {
+
+/// Conditions of a contact or of a whole query, as bits: the values CONTACT_* of haptic.idl.
+enum class Status : std::uint32_t {
+  none = 0,
+  overflow = 1,           ///< more contacts than capacity: the deepest were kept
+  sign_doubtful = 2,      ///< the bake could not settle inside/outside here
+  past_mid_surface = 4,   ///< the field pushes against the point's normal: nearer the far side of a thin part
+  beyond_band = 8,        ///< deeper than the stored band: the depth is a lower bound
+  capped = 16,            ///< a damping force was limited
+  pose_invalid = 32,      ///< not finite or not a rotation: no contacts
+};
+constexpr std::uint32_t bit(Status s) noexcept { return static_cast<std::uint32_t>(s); }
 
 /// The points in contact at one pose, in O (the field body's frame), structure of arrays with fixed capacity.
 /// Filled by the traversal, weighed by a law, summed by assemble. r is the lever p - To expressed in O.
@@ -19,7 +32,7 @@ struct ContactBuffer {
   std::vector<Vec3> g;           ///< gradient of the interpolated field
   std::vector<double> depth_m;   ///< > 0
   std::vector<double> weight;    ///< of the law
-  std::vector<std::uint32_t> flags;
+  std::vector<std::uint32_t> flags;  ///< Status bits of this contact
 
   std::size_t capacity() const { return point_id.size(); }
 };
