@@ -1,6 +1,8 @@
 #pragma once
 #include <cstdint>
 
+#include "coupling/loop/loop_parameters.hpp"
+#include "coupling/loop/loop_status.hpp"
 #include "math/pose.hpp"
 #include "rt/doorbell.hpp"
 #include "rt/latest_value.hpp"
@@ -41,12 +43,14 @@ struct HandTargetSample {
 };
 
 /// Everything that crosses between the device loop (real time, never touches DDS) and the link side.
-/// One writer and one reader each. DeviceLoop state for display and statistics: see loop_status.hpp.
+/// One writer and one reader each.
 struct Mailboxes {
   rt::LatestValue<ToolSample> tool;        ///< device loop -> link thread
   rt::Doorbell tool_ready;                 ///< rung by the device loop after `tool` was written
   rt::LatestValue<ContactReply> reply;     ///< link thread -> device loop
   rt::LatestValue<HandTargetSample> hand;  ///< session thread -> device loop
+  rt::LatestValue<LoopParameters> parameters;  ///< session thread -> device loop
+  rt::LatestValue<LoopStatus> status;      ///< device loop -> session thread, every 16 ms
 };
 
 }  // namespace tact::coupling
