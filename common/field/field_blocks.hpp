@@ -1,0 +1,66 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "math/pose.hpp"
+
+namespace tact {
+
+/// The stored form of a DistanceField, shared by the sampler, the builder and the file (schema 1).
+///
+/// Space is nb.x * nb.y * nb.z blocks of 8x8x8 cells. Each block has an 8-byte coarse entry; the entry of a block that
+/// the band touches names one FieldBlock.
+inline constexpr int kBlockCells = 8;
+inline constexpr int kBlockCorners = kBlockCells + 1;
+inline constexpr int kBlockValues = kBlockCorners * kBlockCorners * kBlockCorners;  ///< 729
+
+/// Corner values of one block, x fastest: value_m = range_m * q / 32767. Padded to whole cache lines.
+struct alignas(64) FieldBlock {
+  std::array<std::int16_t, 736> q{};
+
+  static constexpr int index(int x, int y, int z) { return (z * kBlockCorners + y) * kBlockCorners + x; }
+};
+static_assert(sizeof(FieldBlock) == 1472);
+
+struct CoarseEntry {
+  static constexpr std::uint32_t kDoubtful = 1u << 31;
+  static constexpr std::uint32_t kInside = 1u << 30;  ///< sign of a block that is not stored
+  static constexpr std::uint32_t kSlotMask = kInside - 1;
+  static constexpr std::uint32_t kNotStored = kSlotMask;
+
+  std::uint32_t slot_and_flags = kNotStored;
+  float centre_distance_m = 0;  ///< conservative unsigned distance of the block's centre to the body's boundary
+
+  std::uint32_t slot() const noexcept { return slot_and_flags & kSlotMask; }
+  bool stored() const noexcept { return slot() != kNotStored; }
+  bool inside() const noexcept { return (slot_and_flags & kInside) != 0; }
+  bool doubtful() const noexcept { return (slot_and_flags & kDoubtful) != 0; }
+};
+static_assert(sizeof(CoarseEntry) == 8);
+
+/// The grid: where cells are and what the 16-bit values mean.
+struct FieldGrid {
+  Vec3 min_O = Vec3::Zero();          ///< m, corner of block (0, 0, 0)
+  double voxel_m = 0;                 ///< h, edge of a cell
+  double band_m = 0;                  ///< values are trusted where |sdf| <= band_m
+  std::array<int, 3> blocks{0, 0, 0};
+
+  /// Stored values reach a little further than the band, so that a cell with an in-band value has no clamped corner.
+  double range_m() const { return band_m + 2 * voxel_m; }
+  std::size_t block_count() const {
+    return static_cast<std::size_t>(blocks[0]) * static_cast<std::size_t>(blocks[1]) *
+           static_cast<std::size_t>(blocks[2]);
+  }
+  std::size_t block_index(int x, int y, int z) const {
+    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(blocks[1]) + static_cast<std::size_t>(y)) *
+               static_cast<std::size_t>(blocks[0]) +
+           static_cast<std::size_t>(x);
+  }
+  Vec3 corner_O(int x, int y, int z) const { return min_O + voxel_m * Vec3(x, y, z); }  ///< global corner indices
+  Vec3 block_centre_O(int x, int y, int z) const {
+    return min_O + voxel_m * kBlockCells * Vec3(x + 0.5, y + 0.5, z + 0.5);
+  }
+};
+
+}  // namespace tact

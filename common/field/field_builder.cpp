@@ -1,0 +1,224 @@
+#include "field/field_builder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "fault/fault.hpp"
+#include "field/block_transform.hpp"
+#include "field/field_file.hpp"
+
+namespace tact {
+namespace {
+
+constexpr float kUnlimited = std::numeric_limits<float>::infinity();
+
+std::int16_t to_steps(float value_m, double inverse_step) {
+  return static_cast<std::int16_t>(std::lround(std::clamp(value_m * inverse_step, -32767.0, 32767.0)));
+}
+
+/// Whether the eight corners of a cell could be those of a distance: |v_i - v_j| <= |c_i - c_j| for all pairs. Only a
+/// cell of both signs can fail, because unsigned distances to a set always comply. Values in steps.
+bool cell_jumps(const std::int16_t* q, double cell_steps) {
+  constexpr int dy = kBlockCorners, dz = kBlockCorners * kBlockCorners;
+  const int v[8] = {q[0], q[1], q[dy], q[dy + 1], q[dz], q[dz + 1], q[dz + dy], q[dz + dy + 1]};
+  const auto [low, high] = std::minmax_element(v, v + 8);
+  if (*low >= 0 || *high < 0 || *high - *low <= cell_steps) return false;
+  const double limit[4] = {0, cell_steps, std::sqrt(2.0) * cell_steps, std::sqrt(3.0) * cell_steps};
+  for (unsigned i = 0; i < 8; ++i) {
+    for (unsigned j = i + 1; j < 8; ++j) {
+      const auto axes = static_cast<std::size_t>(__builtin_popcount(i ^ j));
+      if (std::abs(v[i] - v[j]) > limit[axes] + 3) return true;  // 3 steps of rounding
+    }
+  }
+  return false;
+}
+
+bool block_jumps(const FieldBlock& block, double cell_steps) {
+  for (int z = 0; z < kBlockCells; ++z) {
+    for (int y = 0; y < kBlockCells; ++y) {
+      for (int x = 0; x < kBlockCells; ++x) {
+        if (cell_jumps(&block.q[static_cast<std::size_t>(FieldBlock::index(x, y, z))], cell_steps)) return true;
+      }
+    }
+  }
+  return false;
+}
+
+/// Whether the face of a stored block that it shares with an unstored neighbour denies the neighbour's sign.
+bool face_denies(const FieldBlock& block, int axis, bool upper, bool inside) {
+  for (int a = 0; a < kBlockCorners; ++a) {
+    for (int b = 0; b < kBlockCorners; ++b) {
+      int c[3];
+      c[axis] = upper ? kBlockCells : 0;
+      c[(axis + 1) % 3] = a;
+      c[(axis + 2) % 3] = b;
+      if ((block.q[static_cast<std::size_t>(FieldBlock::index(c[0], c[1], c[2]))] < 0) != inside) return true;
+    }
+  }
+  return false;
+}
+
+/// Keeps the blocks that hold a value within the band, in order of their index.
+void drop_far_blocks(FieldParts& parts) {
+  const double steps = 32767 * parts.grid.band_m / parts.grid.range_m();
+  const auto band = static_cast<std::int16_t>(std::floor(steps));
+  std::vector<FieldBlock> kept;
+  kept.reserve(parts.blocks.size());
+  for (CoarseEntry& entry : parts.coarse) {
+    if (!entry.stored()) continue;
+    const FieldBlock& block = parts.blocks[entry.slot()];
+    const auto values = std::span(block.q).first(kBlockValues);
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    std::uint32_t flags = entry.slot_and_flags & CoarseEntry::kDoubtful;
+    if (*low > band || *high < -band) {
+      if (*high < 0) flags |= CoarseEntry::kInside;
+      entry.slot_and_flags = flags | CoarseEntry::kNotStored;
+    } else {
+      entry.slot_and_flags = flags | static_cast<std::uint32_t>(kept.size());
+      kept.push_back(block);
+    }
+  }
+  kept.shrink_to_fit();
+  parts.blocks = std::move(kept);
+}
+
+std::vector<std::uint8_t> find_jumps(const FieldParts& parts) {
+  const FieldGrid& grid = parts.grid;
+  const double cell_steps = 32767 * grid.voxel_m / grid.range_m();
+  std::vector<std::uint8_t> jumps(grid.block_count(), 0);
+  for (int z = 0; z < grid.blocks[2]; ++z) {
+    for (int y = 0; y < grid.blocks[1]; ++y) {
+      for (int x = 0; x < grid.blocks[0]; ++x) {
+        const std::size_t i = grid.block_index(x, y, z);
+        const CoarseEntry& entry = parts.coarse[i];
+        if (entry.stored() && block_jumps(parts.blocks[entry.slot()], cell_steps)) jumps[i] = 1;
+        for (int axis = 0; axis < 3; ++axis) {  // each face once, from its lower side
+          int n[3] = {x, y, z};
+          if (++n[axis] >= grid.blocks[static_cast<std::size_t>(axis)]) continue;
+          const std::size_t j = grid.block_index(n[0], n[1], n[2]);
+          const CoarseEntry& next = parts.coarse[j];
+          bool denied = false;
+          if (!entry.stored() && !next.stored()) {
+            denied = entry.inside() != next.inside();
+          } else if (!next.stored()) {
+            denied = face_denies(parts.blocks[entry.slot()], axis, true, next.inside());
+          } else if (!entry.stored()) {
+            denied = face_denies(parts.blocks[next.slot()], axis, false, entry.inside());
+          }
+          if (denied) jumps[i] = jumps[j] = 1;
+        }
+      }
+    }
+  }
+  return jumps;
+}
+
+}  // namespace
+
+FieldGrid make_grid(const Vec3& min_O, const Vec3& max_O, double voxel_m, double band_voxels) {
+  FieldGrid grid;
+  grid.voxel_m = voxel_m;
+  grid.band_m = band_voxels * voxel_m;
+  if (!min_O.allFinite() || !max_O.allFinite() || !(voxel_m > 0) || !((max_O - min_O).minCoeff() >= 0)) {
+    throw SetupError("distance field: the body's box or the voxel size is not finite and positive");
+  }
+  const double block_m = kBlockCells * voxel_m;
+  const double margin = grid.range_m() + voxel_m;
+  for (int i = 0; i < 3; ++i) {
+    const double blocks = std::ceil((max_O[i] - min_O[i] + 2 * margin) / block_m);
+    if (!(blocks <= kMostBlocksPerSide)) {
+      throw SetupError("distance field: more than " + std::to_string(kMostBlocksPerSide * kBlockCells) +
+                       " cells on a side: choose a lower resolution");
+    }
+    grid.blocks[static_cast<std::size_t>(i)] = static_cast<int>(blocks);
+    grid.min_O[i] = 0.5 * (min_O[i] + max_O[i] - blocks * block_m);
+  }
+  return grid;
+}
+
+void quantise(const FieldGrid& grid, std::span<const float> values_m, FieldBlock& block) {
+  TACT_CHECK(values_m.size() == kBlockValues);
+  const double inverse_step = 32767 / grid.range_m();
+  for (std::size_t i = 0; i < kBlockValues; ++i) block.q[i] = to_steps(values_m[i], inverse_step);
+}
+
+FieldTally finish(FieldParts& parts) {
+  TACT_CHECK(parts.coarse.size() == parts.grid.block_count());
+  drop_far_blocks(parts);
+  const std::vector<std::uint8_t> jumps = find_jumps(parts);
+  FieldTally tally;
+  tally.stored = parts.blocks.size();
+  tally.jumps = static_cast<std::size_t>(std::count(jumps.begin(), jumps.end(), std::uint8_t{1}));
+  std::vector<float> limit;  // from each block's centre to the nearest jumping block
+  if (tally.jumps > 0) {
+    limit = distance_between_blocks(parts.grid, jumps);
+    const auto block_m = static_cast<float>(kBlockCells * parts.grid.voxel_m);
+    for (float& d : limit) d = std::max(0.f, block_m * (d - 0.8661f));
+  }
+  for (std::size_t i = 0; i < parts.coarse.size(); ++i) {
+    CoarseEntry& entry = parts.coarse[i];
+    if (entry.stored()) entry.centre_distance_m = kUnlimited;
+    if (!limit.empty()) entry.centre_distance_m = std::min(entry.centre_distance_m, limit[i]);
+    tally.doubtful += entry.doubtful() ? 1 : 0;
+  }
+  return tally;
+}
+
+FieldParts sample_distance(const FieldGrid& grid, const std::function<double(const Vec3&)>& distance_m) {
+  FieldParts parts;
+  parts.grid = grid;
+  parts.coarse.resize(grid.block_count());
+  const double reach = grid.range_m() + std::sqrt(3.0) / 2 * kBlockCells * grid.voxel_m;
+  std::vector<float> values(kBlockValues);
+  for (int z = 0; z < grid.blocks[2]; ++z) {
+    for (int y = 0; y < grid.blocks[1]; ++y) {
+      for (int x = 0; x < grid.blocks[0]; ++x) {
+        CoarseEntry& entry = parts.coarse[grid.block_index(x, y, z)];
+        const double centre = distance_m(grid.block_centre_O(x, y, z));
+        entry.centre_distance_m = static_cast<float>(std::fabs(centre) * (1 - 1e-6));
+        if (std::fabs(centre) > reach) {
+          entry.slot_and_flags = CoarseEntry::kNotStored | (centre < 0 ? CoarseEntry::kInside : 0);
+          continue;
+        }
+        std::size_t i = 0;
+        for (int cz = 0; cz < kBlockCorners; ++cz) {
+          for (int cy = 0; cy < kBlockCorners; ++cy) {
+            for (int cx = 0; cx < kBlockCorners; ++cx) {
+              values[i++] = static_cast<float>(
+                  distance_m(grid.corner_O(kBlockCells * x + cx, kBlockCells * y + cy, kBlockCells * z + cz)));
+            }
+          }
+        }
+        entry.slot_and_flags = static_cast<std::uint32_t>(parts.blocks.size());
+        quantise(grid, values, parts.blocks.emplace_back());
+      }
+    }
+  }
+  finish(parts);
+  return parts;
+}
+
+void save_field(const FieldParts& parts, const std::filesystem::path& path, std::uint64_t content_hash) {
+  FieldFileInfo info{};
+  for (int i = 0; i < 3; ++i) {
+    info.min_m[i] = parts.grid.min_O[i];
+    info.blocks[i] = parts.grid.blocks[static_cast<std::size_t>(i)];
+  }
+  info.voxel_m = parts.grid.voxel_m;
+  info.band_m = parts.grid.band_m;
+  info.stored = static_cast<std::uint32_t>(parts.blocks.size());
+  const auto coarse = std::as_bytes(std::span(parts.coarse));
+  const std::vector<std::byte> padding(field_coarse_bytes(parts.grid) - coarse.size());
+  const std::span<const std::byte> payload[] = {std::as_bytes(std::span(&info, 1)), coarse, padding,
+                                                std::as_bytes(std::span(parts.blocks))};
+  write_sealed(path, kFieldKind, content_hash, payload);
+}
+
+DistanceField build_field(const Vec3& min_O, const Vec3& max_O, double voxel_m,
+                          const std::function<double(const Vec3&)>& distance_m, double band_voxels) {
+  return make_field(sample_distance(make_grid(min_O, max_O, voxel_m, band_voxels), distance_m));
+}
+
+}  // namespace tact
