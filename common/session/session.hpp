@@ -12,58 +12,58 @@ namespace tact {
 
 /// Geometry of a body: a parametric shape made by the project, or a mesh file of the user's. Exactly one of the two.
 struct BodySpec {
-  std::string shape;                          ///< "alpha", "box", "cone", ...: see shapes.hpp; empty: a mesh
-  std::map<std::string, double> shape_params; ///< metres, degrees where the name ends in _deg
-  std::filesystem::path mesh;                 ///< absolute once loaded
-  std::string unit;                           ///< "m", "mm", "cm", "inch": required with mesh
-  double sheet_thickness_m = 0;               ///< thickness given to zero-thickness sheets; 0: none expected
+  std::string shape;                           ///< "alpha", "box", "cone", ...: see shapes.hpp; empty: a mesh
+  std::map<std::string, double> shape_params;  ///< metres, degrees where the name ends in _deg
+  std::filesystem::path mesh;                  ///< absolute once loaded
+  std::string unit;                            ///< "m", "mm", "cm", "inch": required with mesh
+  double sheet_thickness_m = 0;                ///< thickness given to zero-thickness sheets; 0: none expected
 };
 
 struct ContactSpec {
-  std::string law = "potential";              ///< none global adaptive-3dof adaptive-6dof potential
-  double stiffness_n_per_m = 0;               ///< k; 0: f_max_n / x_max_m
-  double f_max_n = 10;                        ///< F_max = k x_max (eq. 15)
+  std::string law = "potential";  ///< none global adaptive-3dof adaptive-6dof potential
+  double stiffness_n_per_m = 0;   ///< k; 0: f_max_n / x_max_m. Above 0 it holds, and F_max = k x_max
+  double f_max_n = 10;            ///< F_max = k x_max (eq. 15)
   double x_max_voxels = 0.5;
-  double damping_ratio = 0;                   ///< contact damping, fraction of critical at the tool's mass
-  double epsilon = 0.01;                      ///< eq. 6
-  int n0 = 10;                                ///< eq. 2
-  double p = 16, q = 8;                       ///< potential
+  double damping_ratio = 0;  ///< contact damping, fraction of critical at the tool's mass
+  double epsilon = 0.01;     ///< eq. 6
+  int n0 = 10;               ///< eq. 2
+  double p = 16, q = 8;      ///< potential
   int directions = 162;
   int capacity = 16384;
 };
 
 struct CouplingSpec {
   bool saturation = true;
-  double stiffness_n_per_m = 2000, damping_ratio = 1.0;         ///< virtual coupling, translation
-  double stiffness_nm_per_rad = 0;                              ///< 0: stiffness_n_per_m * gyration radius^2
-  double torque_max_nm = 0;                                     ///< 0: F_max * gyration radius
-  double mass_kg = 0.2;                                         ///< of the tool; the handle's is equal
+  double stiffness_n_per_m = 2000, damping_ratio = 1.0;  ///< virtual coupling, translation
+  double stiffness_nm_per_rad = 0;                       ///< 0: stiffness_n_per_m * gyration radius^2
+  double torque_max_nm = 0;                              ///< 0: F_max * gyration radius
+  double mass_kg = 0.2;                                  ///< of the tool; the handle's is equal
   bool rotation_locked = false;
 };
 
 /// A hand motion: rows of time_s,x_m,y_m,z_m,qw,qx,qy,qz; poses X_WM of the tool's mesh frame. The last is the goal.
 struct HandMotion {
-  std::vector<double> time_s;                 ///< strictly increasing from >= 0
+  std::vector<double> time_s;  ///< strictly increasing from >= 0
   std::vector<Pose> X_WM;
 };
 
 struct ScriptSpec {
   std::filesystem::path hand_csv;
   std::string description;
-  double hand_force_max_n = 20;               ///< peak of the simulated hand
+  double hand_force_max_n = 20;  ///< peak of the simulated hand
 };
 
 struct SceneSpec {
   std::string name, title;
   std::filesystem::path file;
   BodySpec obstacle, tool;
-  int field_resolution = 256;                 ///< cells along the longest side of the obstacle
+  int field_resolution = 256;  ///< cells along the longest side of the obstacle
   int points = 10000;
   int levels = 7;
   Pose X_WO;
   Pose start_X_WM;
   std::optional<Pose> goal_X_WM;
-  double goal_distance_mm = 2, goal_angle_deg = 5;   ///< reached within
+  double goal_distance_mm = 2, goal_angle_deg = 5;  ///< reached within
   ContactSpec contact;
   CouplingSpec coupling;
   std::map<std::string, ScriptSpec> scripts;
@@ -72,48 +72,61 @@ struct SceneSpec {
 /// What belongs to the machine, not to the scene.
 struct MachineSpec {
   std::filesystem::path file;
-  std::string device = "simulated";           ///< simulated playback virtuose
-  std::string mode = "pseudo-admittance";     ///< or impedance
+  std::string device = "simulated";        ///< simulated playback virtuose
+  std::string mode = "pseudo-admittance";  ///< or impedance
   double rate_hz = 1000;
-  std::string transport = "shm";              ///< or udp
-  double force_limit_n = 30, torque_limit_nm = 3;              ///< gate
+  std::string transport = "shm";                                   ///< or udp
+  double force_limit_n = 30, torque_limit_nm = 3;                  ///< gate
   double force_slope_n_per_s = 5000, torque_slope_nm_per_s = 500;  ///< gate
-  int cpu_coupling = -1, cpu_contact = -1;    ///< -1: any
+  int cpu_coupling = -1, cpu_contact = -1;                         ///< -1: any
   bool view = true;
   int port = 8080;
   std::string bind = "127.0.0.1";
-  std::string token;                          ///< empty: made at start
-  std::filesystem::path cache_dir;            ///< empty: $TACT_CACHE, $XDG_CACHE_HOME/tact, ~/.cache/tact
+  std::string token;                ///< empty: made at start
+  std::filesystem::path cache_dir;  ///< empty: $TACT_CACHE, $XDG_CACHE_HOME/tact, ~/.cache/tact
 };
 
 /// Everything a service needs to know: written by `tact run` to <run_dir>/session.toml, read by each service.
 struct Session {
-  std::string name;                           ///< [a-z0-9-]{1,24}: topics, shared-memory prefix, run directory
+  std::string name;  ///< [a-z0-9-]{1,24}: topics, shared-memory prefix, run directory
   std::uint64_t id = 0;
   std::filesystem::path run_dir;
   SceneSpec scene;
   MachineSpec machine;
-  std::string script;                         ///< empty: none
-  std::filesystem::path hand_csv;             ///< of --hand or of the script; empty: none
+  std::string script;              ///< empty: none
+  std::filesystem::path hand_csv;  ///< of --hand or of the script; empty: none
   double hand_force_max_n = 20;
 };
 
 /// All throw SetupError "<file>: <key>: found <what>, expected <what>" on unreadable files, unknown keys, wrong types,
-/// impossible values. Relative paths are relative to the file that names them.
+/// impossible values. Relative paths are relative to the file that names them. Keys: README.md.
 SceneSpec load_scene(const std::filesystem::path& path);
 MachineSpec load_machine(const std::filesystem::path& path);
 Session load_session(const std::filesystem::path& path);
-void save_session(const Session& session, const std::filesystem::path& path);   ///< load_session reads the same back
+void save_session(const Session& session, const std::filesystem::path& path);  ///< load_session reads the same back
 HandMotion load_hand_motion(const std::filesystem::path& csv);
 
-/// Sets one key as on the command line or in a Parameter message ("contact.law" = "global"). Throws as above.
+/// Sets one key as on the command line or in a Parameter message ("contact.law" = "global"); flags are on/off or
+/// true/false, lists "x,y,z", relative paths are taken from the current folder. Throws SetupError "<key>: found ...,
+/// expected ..." and changes nothing.
 void set_scene_key(SceneSpec& scene, const std::string& key, const std::string& value);
 void set_machine_key(MachineSpec& machine, const std::string& key, const std::string& value);
 
-/// <prefix>/share/tact of the running program, build tree or installed: scenes/, dds/, roudi.toml, page/.
+/// The rules between keys: one of shape and mesh, a unit with every mesh, files that exist. load_scene and load_session
+/// check them; whoever builds a scene by keys calls this once at the end. Throws as above.
+void check_scene(const SceneSpec& scene);
+
+/// Scenes that come with the program, sorted; and the file of one: "alpha" is <share>/scenes/alpha.toml, anything with
+/// a slash or ending in .toml is a path. Throws SetupError naming the scenes there are.
+std::vector<std::filesystem::path> scene_files();
+std::filesystem::path find_scene(const std::string& name_or_path);
+
+/// <prefix>/share/tact of the running program, build tree or installed: scenes/, dds/, roudi.toml, page/. The prefix is
+/// the nearest folder above the program that holds share/tact.
 std::filesystem::path share_dir();
 /// <prefix>/libexec/tact
 std::filesystem::path libexec_dir();
+/// Where baked files are kept (see MachineSpec::cache_dir); not made here.
 std::filesystem::path cache_dir(const MachineSpec& machine);
 
 }  // namespace tact

@@ -66,6 +66,20 @@ function(tact_program name)
   endif()
 endfunction()
 
+# tact_data(target folder files...): files of the current folder, copied to share/tact/<folder> and installed there.
+function(tact_data target folder)
+  set(copies)
+  foreach(file IN LISTS ARGN)
+    set(copy "${TACT_SHARE_DIR}/${folder}/${file}")
+    add_custom_command(OUTPUT "${copy}" DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/${file}"
+      COMMAND "${CMAKE_COMMAND}" -E copy "${CMAKE_CURRENT_SOURCE_DIR}/${file}" "${copy}")
+    list(APPEND copies "${copy}")
+  endforeach()
+  file(MAKE_DIRECTORY "${TACT_SHARE_DIR}/${folder}")
+  add_custom_target(${target} ALL DEPENDS ${copies})
+  install(FILES ${ARGN} DESTINATION "${CMAKE_INSTALL_DATADIR}/tact/${folder}")
+endfunction()
+
 # tact_test(name sources... LIBS libs... [LABELS l...]): one GoogleTest program, discovered by CTest.
 function(tact_test name)
   cmake_parse_arguments(ARG "" "" "LIBS;LABELS" ${ARGN})

@@ -1,0 +1,203 @@
+#include "session/scene_keys.hpp"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace tact::session {
+namespace {
+
+constexpr double kFar_m = 1e4;  // scenes from a millimetre to a kilometre pass, a forgotten unit mostly does not
+constexpr const char* kNameRule = "1 to 24 of the characters a-z, 0-9 and -";
+
+bool is_name(const std::string& s) {
+  return !s.empty() && s.size() <= 24 && s.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == s.npos;
+}
+
+bool is_line(const std::string& s) {
+  return std::none_of(s.begin(), s.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
+}
+
+bool is_word(const std::string& s) {
+  return !s.empty() && s.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-") == s.npos;
+}
+
+bool is_token(const std::string& s) {
+  constexpr const char* kAllowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
+  return s.size() >= 8 && s.size() <= 128 && s.find_first_not_of(kAllowed) == s.npos;
+}
+
+bool is_address(const std::string& s) {
+  in6_addr a{};
+  return ::inet_pton(AF_INET, s.c_str(), &a) == 1 || ::inet_pton(AF_INET6, s.c_str(), &a) == 1;
+}
+
+Key line(std::string name, std::string& member) { return text(std::move(name), member, "one line of text", is_line); }
+
+/// The two keys of a pose. `access` gives the pose to write to (making it if need be); `peek` one to read, or none.
+Keys pose_keys(const std::string& prefix, std::function<Pose&()> access, std::function<const Pose*()> peek) {
+  return {{prefix + "position_m", Kind::numbers, "three numbers [x, y, z] within 10 km (m)",
+           [access](const Value& v) {
+             const auto* list = std::get_if<std::vector<double>>(&v);
+             if (!list || list->size() != 3) return false;
+             for (const double x : *list) {
+               if (!(std::abs(x) <= kFar_m)) return false;
+             }
+             access().p = {(*list)[0], (*list)[1], (*list)[2]};
+             return true;
+           },
+           [peek]() -> std::optional<Value> {
+             const Pose* X = peek();
+             if (!X) return std::nullopt;
+             return std::vector<double>{X->p.x(), X->p.y(), X->p.z()};
+           }},
+          {prefix + "rotation_wxyz", Kind::numbers, "four numbers [w, x, y, z] of norm 1 within 0.001",
+           [access](const Value& v) {
+             const auto* list = std::get_if<std::vector<double>>(&v);
+             if (!list || list->size() != 4) return false;
+             Quat q((*list)[0], (*list)[1], (*list)[2], (*list)[3]);
+             const double norm = q.norm();
+             if (!(std::abs(norm - 1) <= 1e-3)) return false;
+             if (std::abs(norm - 1) > 1e-12) q.normalize();  // what we saved reads back bit for bit
+             access().q = q;
+             return true;
+           },
+           [peek]() -> std::optional<Value> {
+             const Pose* X = peek();
+             if (!X) return std::nullopt;
+             return std::vector<double>{X->q.w(), X->q.x(), X->q.y(), X->q.z()};
+           }}};
+}
+
+Keys pose_keys(const std::string& prefix, Pose& pose) {
+  return pose_keys(
+      prefix, [&pose]() -> Pose& { return pose; }, [&pose] { return &pose; });
+}
+
+Keys body_keys(BodySpec& body, const std::filesystem::path& base) {
+  Keys keys{text("shape", body.shape, "the name of a shape (common/shapes/README.md)", is_word),
+            path("mesh", body.mesh, base, "a path to a mesh file"),
+            choice("unit", body.unit, {"m", "mm", "cm", "inch"}),
+            number("sheet_thickness_m", body.sheet_thickness_m, 0, 1, "m")};
+  for (auto& [name, value] : body.shape_params) {
+    keys.push_back(number("params." + name, value, -kFar_m, kFar_m, "m, or degrees where the name ends in _deg"));
+  }
+  return keys;
+}
+
+Keys contact_keys(ContactSpec& c) {
+  return {choice("law", c.law, {"none", "global", "adaptive-3dof", "adaptive-6dof", "potential"}),
+          number("stiffness_n_per_m", c.stiffness_n_per_m, 0, 1e6, "N/m; 0: f_max_n over x_max"),
+          number("f_max_n", c.f_max_n, 0.01, 200, "N"),
+          number("x_max_voxels", c.x_max_voxels, 0.05, 4, "voxels"),
+          number("damping_ratio", c.damping_ratio, 0, 2, "of critical"),
+          number("epsilon", c.epsilon, 1e-6, 0.5, ""),
+          integer("n0", c.n0, 1, 1000000),
+          number("p", c.p, 2, 64, ""),
+          number("q", c.q, 1, 64, ""),
+          integer("directions", c.directions, 12, 4096),
+          integer("capacity", c.capacity, 16, 1 << 20)};
+}
+
+Keys coupling_keys(CouplingSpec& c) {
+  Keys keys{flag("saturation", c.saturation),
+            number("stiffness_n_per_m", c.stiffness_n_per_m, 1, 1e5, "N/m"),
+            number("damping_ratio", c.damping_ratio, 0, 5, "of critical"),
+            number("stiffness_nm_per_rad", c.stiffness_nm_per_rad, 0, 1e4, "Nm/rad; 0: from the radius of gyration"),
+            number("torque_max_nm", c.torque_max_nm, 0, 20, "Nm; 0: f_max_n times the radius of gyration"),
+            number("mass_kg", c.mass_kg, 0.001, 20, "kg")};
+  keys.push_back({"rotation", Kind::text, "one of free locked",
+                  [&c](const Value& v) {
+                    const auto* s = std::get_if<std::string>(&v);
+                    if (!s || (*s != "free" && *s != "locked")) return false;
+                    c.rotation_locked = *s == "locked";
+                    return true;
+                  },
+                  [&c] { return std::optional<Value>{std::string{c.rotation_locked ? "locked" : "free"}}; }});
+  return keys;
+}
+
+}  // namespace
+
+void make_room(SceneSpec& scene, const std::string& key) {
+  const auto rest_after = [&key](const std::string& prefix) {
+    return key.rfind(prefix, 0) == 0 ? key.substr(prefix.size()) : std::string{};
+  };
+  if (const auto name = rest_after("obstacle.params."); is_word(name)) scene.obstacle.shape_params.try_emplace(name);
+  if (const auto name = rest_after("tool.params."); is_word(name)) scene.tool.shape_params.try_emplace(name);
+  if (const auto rest = rest_after("scripts."); !rest.empty()) {
+    const auto name = rest.substr(0, rest.find('.'));
+    if (is_name(name) && name.size() < rest.size()) scene.scripts.try_emplace(name);
+  }
+}
+
+Keys scene_keys(SceneSpec& scene, const std::filesystem::path& base) {
+  Keys keys{text("name", scene.name, kNameRule, is_name), line("title", scene.title)};
+  append(keys, prefixed("obstacle.", body_keys(scene.obstacle, base)));
+  append(keys, {integer("obstacle.field_cells", scene.field_resolution, 16, 4096)});
+  append(keys, pose_keys("obstacle.", scene.X_WO));
+  append(keys, prefixed("tool.", body_keys(scene.tool, base)));
+  append(keys, {integer("tool.points", scene.points, 100, 1000000), integer("tool.levels", scene.levels, 1, 16)});
+  append(keys, pose_keys("start.", scene.start_X_WM));
+  append(keys,
+         pose_keys(
+             "goal.", [&scene]() -> Pose& { return scene.goal_X_WM ? *scene.goal_X_WM : scene.goal_X_WM.emplace(); },
+             [&scene]() -> const Pose* { return scene.goal_X_WM ? &*scene.goal_X_WM : nullptr; }));
+  append(keys, {number("goal.distance_mm", scene.goal_distance_mm, 0.001, 1000, "mm"),
+                number("goal.angle_deg", scene.goal_angle_deg, 0.01, 180, "degrees")});
+  append(keys, prefixed("contact.", contact_keys(scene.contact)));
+  append(keys, prefixed("coupling.", coupling_keys(scene.coupling)));
+  for (auto& [name, script] : scene.scripts) {
+    append(keys,
+           prefixed("scripts." + name + ".", {path("hand", script.hand_csv, base, "a path to a CSV file of poses"),
+                                              line("description", script.description),
+                                              number("hand_force_max_n", script.hand_force_max_n, 0.1, 200, "N")}));
+  }
+  return keys;
+}
+
+Keys machine_keys(MachineSpec& m, const std::filesystem::path& base) {
+  return {choice("device.driver", m.device, {"simulated", "playback", "virtuose"}),
+          choice("device.mode", m.mode, {"pseudo-admittance", "impedance"}),
+          number("device.rate_hz", m.rate_hz, 100, 5000, "Hz"),
+          choice("transport", m.transport, {"shm", "udp"}),
+          number("gate.force_limit_n", m.force_limit_n, 0.1, 200, "N"),
+          number("gate.torque_limit_nm", m.torque_limit_nm, 0.01, 20, "Nm"),
+          number("gate.force_slope_n_per_s", m.force_slope_n_per_s, 1, 1e6, "N/s"),
+          number("gate.torque_slope_nm_per_s", m.torque_slope_nm_per_s, 0.1, 1e5, "Nm/s"),
+          integer("cpu.coupling", m.cpu_coupling, -1, 1023),
+          integer("cpu.contact", m.cpu_contact, -1, 1023),
+          flag("view.enabled", m.view),
+          integer("view.port", m.port, 0, 65535),
+          text("view.bind", m.bind, "an IPv4 or IPv6 address such as 127.0.0.1", is_address),
+          text("view.token", m.token, "8 to 128 letters, digits, - or _", is_token),
+          path("cache.dir", m.cache_dir, base, "a path to a folder")};
+}
+
+Keys session_keys(Session& s, const std::filesystem::path& base) {
+  Keys keys{text("name", s.name, kNameRule, is_name)};
+  // Text, not a number: TOML integers stop at 2^63 - 1.
+  keys.push_back({"id", Kind::text, "a whole number as text",
+                  [&s](const Value& v) {
+                    const auto* t = std::get_if<std::string>(&v);
+                    if (!t || t->empty()) return false;
+                    std::uint64_t id = 0;
+                    const auto [end, error] = std::from_chars(t->data(), t->data() + t->size(), id);
+                    if (error != std::errc{} || end != t->data() + t->size()) return false;
+                    s.id = id;
+                    return true;
+                  },
+                  [&s] { return std::optional<Value>{std::to_string(s.id)}; }});
+  append(keys, {path("run_dir", s.run_dir, base, "a path to a folder"), text("script", s.script, kNameRule, is_name),
+                path("hand", s.hand_csv, base, "a path to a CSV file of poses"),
+                number("hand_force_max_n", s.hand_force_max_n, 0.1, 200, "N"),
+                path("scene_file", s.scene.file, base, "a path to a scene file"),
+                path("machine_file", s.machine.file, base, "a path to a machine file")});
+  append(keys, prefixed("scene.", scene_keys(s.scene, base)));
+  append(keys, prefixed("machine.", machine_keys(s.machine, base)));
+  return keys;
+}
+
+}  // namespace tact::session

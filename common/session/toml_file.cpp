@@ -1,0 +1,154 @@
+#include "session/toml_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <toml++/toml.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "fault/fault.hpp"
+
+namespace tact::session {
+namespace {
+
+constexpr std::uintmax_t kLargestFile = 4u << 20;  // a configuration, not data
+
+Value value_of(const toml::node& node) {
+  if (const auto* v = node.as_boolean()) return v->get();
+  if (const auto* v = node.as_integer()) return v->get();
+  if (const auto* v = node.as_floating_point()) return v->get();
+  if (const auto* v = node.as_string()) return v->get();
+  if (const auto* array = node.as_array()) {
+    std::vector<double> list;
+    for (const auto& element : *array) {
+      if (element.is_number()) list.push_back(*element.value<double>());
+    }
+    if (list.size() == array->size()) return list;
+    return Other{"a list that is not of numbers"};
+  }
+  if (node.is_table()) return Other{"a table"};
+  return Other{"a date or time"};
+}
+
+void flatten(const toml::table& table, const std::string& prefix, std::vector<Entry>& out) {
+  for (const auto& [key, node] : table) {
+    const std::string name = prefix + std::string{key.str()};
+    const auto* child = node.as_table();
+    if (child && !child->empty()) {
+      flatten(*child, name + ".", out);
+    } else {
+      out.push_back({name, value_of(node), static_cast<unsigned>(node.source().begin.line)});
+    }
+  }
+}
+
+bool is_table_of(const std::string& name, const Keys& keys) {
+  return std::any_of(keys.begin(), keys.end(), [&](const Key& k) { return k.name.rfind(name + ".", 0) == 0; });
+}
+
+const Key* find(const Keys& keys, const std::string& name) {
+  const auto it = std::find_if(keys.begin(), keys.end(), [&](const Key& k) { return k.name == name; });
+  return it == keys.end() ? nullptr : &*it;
+}
+
+std::string quoted(const std::string& text) {
+  static constexpr char kHex[] = "0123456789abcdef";
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      out += {'\\', c};
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      out += "\\u00";
+      out += {kHex[(c >> 4) & 15], kHex[c & 15]};
+    } else {
+      out += c;
+    }
+  }
+  return out + "\"";
+}
+
+}  // namespace
+
+std::vector<Entry> read_toml(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) {
+    throw SetupError(path.string() + ": found no such file, expected a readable TOML file");
+  }
+  if (!std::filesystem::is_regular_file(status)) {
+    throw SetupError(path.string() + ": found something that is not a file, expected a readable TOML file");
+  }
+  if (::access(path.c_str(), R_OK) != 0) {
+    throw SetupError(path.string() + ": found " + std::strerror(errno) + ", expected a readable TOML file");
+  }
+  if (std::filesystem::file_size(path, error) > kLargestFile) {
+    throw SetupError(path.string() + ": found more than 4 MiB, expected a TOML file written by a person");
+  }
+  std::vector<Entry> entries;
+  try {
+    flatten(toml::parse_file(path.string()), "", entries);
+  } catch (const toml::parse_error& e) {
+    throw SetupError(path.string() + ": line " + std::to_string(e.source().begin.line) + ": found " +
+                     std::string{e.description()} + ", expected valid TOML");
+  }
+  std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.line < b.line; });
+  return entries;
+}
+
+void apply(const std::vector<Entry>& entries, const Keys& keys, const std::filesystem::path& file) {
+  for (const auto& entry : entries) {
+    const Key* key = find(keys, entry.name);
+    const auto* other = std::get_if<Other>(&entry.value);
+    if (!key && other && other->description == "a table" && is_table_of(entry.name, keys)) continue;  // empty table
+    const std::string where = file.string() + ": " + entry.name + ": found ";
+    const std::string at_line = " at line " + std::to_string(entry.line);
+    if (!key) {
+      throw SetupError(where + "this unknown key" + at_line + ", expected " + expected_for_unknown(entry.name, keys));
+    }
+    if (!key->set(entry.value)) {
+      throw SetupError(where + describe(entry.value) + at_line + ", expected " + key->expected);
+    }
+  }
+}
+
+void apply_text(const std::string& name, const std::string& text, const Keys& keys) {
+  const Key* key = find(keys, name);
+  if (!key) throw SetupError(name + ": found this unknown key, expected " + expected_for_unknown(name, keys));
+  if (!key->set(parse(key->kind, text))) {
+    throw SetupError(name + ": found \"" + text + "\", expected " + key->expected);
+  }
+}
+
+void write_toml(const Keys& keys, const std::filesystem::path& path) {
+  std::string out;
+  for (const auto& key : keys) {
+    if (const auto value = key.get()) {
+      const auto* s = std::get_if<std::string>(&*value);
+      out += key.name + " = " + (s ? quoted(*s) : describe(*value)) + "\n";
+    }
+  }
+  const std::filesystem::path part = path.string() + ".part";
+  const auto fail = [&](int error) {
+    ::unlink(part.c_str());
+    throw SetupError(path.string() + ": found " + std::strerror(error) + ", expected a place where files can be made");
+  };
+  const int fd = ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  if (fd < 0) fail(errno);
+  std::size_t done = 0;
+  while (done < out.size()) {
+    const ssize_t n = ::write(fd, out.data() + done, out.size() - done);
+    if (n < 0) {
+      const int error = errno;
+      ::close(fd);
+      fail(error);
+    }
+    done += static_cast<std::size_t>(n);
+  }
+  if (::close(fd) != 0) fail(errno);
+  if (::rename(part.c_str(), path.c_str()) != 0) fail(errno);
+}
+
+}  // namespace tact::session

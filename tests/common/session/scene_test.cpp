@@ -1,0 +1,163 @@
+#include <gtest/gtest.h>
+
+#include "common/session/temp_folder.hpp"
+#include "session/session.hpp"
+
+namespace tact {
+namespace {
+
+constexpr const char* kMinimal = "[obstacle]\nshape = \"box\"\n[tool]\nshape = \"cone\"\n";
+
+std::string load_error(const std::string& content) {
+  TempFolder folder;
+  const auto file = folder.write("scene.toml", content);
+  std::string text = setup_error([&] { load_scene(file); });
+  const std::string prefix = folder.path().string() + "/";
+  for (auto at = text.find(prefix); at != text.npos; at = text.find(prefix)) text.erase(at, prefix.size());
+  return text;
+}
+
+TEST(Scene, LoadsWithDefaultsAndTakesItsNameFromTheFile) {
+  TempFolder folder;
+  const SceneSpec scene = load_scene(folder.write("two-boxes.toml", kMinimal));
+  EXPECT_EQ(scene.name, "two-boxes");
+  EXPECT_EQ(scene.file, folder.path() / "two-boxes.toml");
+  EXPECT_EQ(scene.contact.law, "potential");
+  EXPECT_FALSE(scene.goal_X_WM.has_value());
+}
+
+TEST(Scene, ReadsTablesScriptsAndParameters) {
+  TempFolder folder;
+  folder.write("press.csv", "");
+  const SceneSpec scene = load_scene(folder.write("s.toml", std::string(kMinimal) + R"(
+[obstacle.params]
+size_x_m = 1
+size_y_m = 0.25
+[start]
+position_m = [0, 1, 2.5]
+[contact]
+stiffness_n_per_m = 4000
+[scripts.press]
+hand = "press.csv"
+description = "down"
+hand_force_max_n = 12
+)"));
+  EXPECT_EQ(scene.obstacle.shape_params.at("size_x_m"), 1);
+  EXPECT_EQ(scene.start_X_WM.p, Vec3(0, 1, 2.5));
+  EXPECT_EQ(scene.contact.stiffness_n_per_m, 4000);
+  EXPECT_EQ(scene.scripts.at("press").hand_csv, folder.path() / "press.csv");
+  EXPECT_EQ(scene.scripts.at("press").hand_force_max_n, 12);
+}
+
+TEST(Scene, MeshPathsAreRelativeToTheSceneFile) {
+  TempFolder folder;
+  folder.write("part.stl", "x");
+  const SceneSpec scene =
+      load_scene(folder.write("s.toml", "obstacle = { mesh = \"../" + folder.path().filename().string() +
+                                            "/part.stl\", unit = \"mm\" }\ntool.shape = \"cone\"\n"));
+  EXPECT_EQ(scene.obstacle.mesh, folder.path() / "part.stl");
+}
+
+TEST(Scene, EveryMistakeIsOneErrorNamingFileKeyFoundAndExpected) {
+  const std::string m = kMinimal;
+  EXPECT_EQ(
+      load_error(m + "[contact]\nlow = \"none\"\n"),
+      "scene.toml: contact.low: found this unknown key at line 6, expected a known key; did you mean contact.law?");
+  EXPECT_EQ(
+      load_error("[contatc]\nlaw = \"none\"\n"),
+      "scene.toml: contatc.law: found this unknown key at line 2, expected a known key; did you mean contact.law?");
+  EXPECT_EQ(
+      load_error(m + "[contact]\nlaw = 3\n"),
+      "scene.toml: contact.law: found 3 at line 6, expected one of none global adaptive-3dof adaptive-6dof potential");
+  EXPECT_EQ(load_error(m + "points = 5\n"),
+            "scene.toml: tool.points: found 5 at line 5, expected a whole number from 100 to 1000000");
+  EXPECT_EQ(load_error(m + "points = 500.0\n"),
+            "scene.toml: tool.points: found 500.0 at line 5, expected a whole number from 100 to 1000000");
+  EXPECT_EQ(load_error(m + "points = \"many\"\n"),
+            "scene.toml: tool.points: found \"many\" at line 5, expected a whole number from 100 to 1000000");
+  EXPECT_EQ(load_error(m + "points = 2022-01-01\n"),
+            "scene.toml: tool.points: found a date or time at line 5, expected a whole number from 100 to 1000000");
+  EXPECT_EQ(load_error(m + "[coupling]\nmass_kg = nan\n"),
+            "scene.toml: coupling.mass_kg: found nan at line 6, expected a number from 0.001 to 20 (kg)");
+  EXPECT_EQ(load_error(m + "[coupling]\nmass_kg = true\n"),
+            "scene.toml: coupling.mass_kg: found true at line 6, expected a number from 0.001 to 20 (kg)");
+  EXPECT_EQ(load_error(m + "[start]\nposition_m = [1, \"a\", 2]\n"),
+            "scene.toml: start.position_m: found a list that is not of numbers at line 6, "
+            "expected three numbers [x, y, z] within 10 km (m)");
+  EXPECT_EQ(load_error(m + "[start]\nrotation_wxyz = [1, 1, 0, 0]\n"),
+            "scene.toml: start.rotation_wxyz: found [1, 1, 0, 0] at line 6, "
+            "expected four numbers [w, x, y, z] of norm 1 within 0.001");
+  EXPECT_EQ(load_error(m + "[contact]\nstiffness_n_per_m = 1\nf_max_n = 10\n"),
+            "scene.toml: contact.stiffness_n_per_m: found f_max_n stated as well, "
+            "expected one of them: F_max = k x_max links them");
+  EXPECT_EQ(load_error("obstacle.shape = \"box\"\n"),
+            "scene.toml: tool: found neither shape nor mesh, expected one of them");
+  EXPECT_EQ(load_error(m + "mesh = \"a.obj\"\n"), "scene.toml: tool: found both shape and mesh, expected one of them");
+  EXPECT_EQ(load_error(m + "unit = \"mm\"\n"),
+            "scene.toml: tool.unit: found a unit, expected none: shapes are in metres");
+  EXPECT_EQ(load_error("obstacle.mesh = \"a.obj\"\ntool.shape = \"box\"\n"),
+            "scene.toml: obstacle.unit: found nothing, expected one of m mm cm inch: the unit of the mesh file");
+  EXPECT_EQ(load_error("obstacle.mesh = \"a.obj\"\nobstacle.unit = \"feet\"\n"),
+            "scene.toml: obstacle.unit: found \"feet\" at line 2, expected one of m mm cm inch");
+  EXPECT_EQ(load_error("obstacle = {mesh = \"no.obj\", unit = \"mm\"}\ntool.shape = \"box\"\n"),
+            "scene.toml: obstacle.mesh: found no file \"no.obj\", expected an existing file");
+  EXPECT_EQ(load_error(m + "[scripts.go]\nhand = \"no.csv\"\n"),
+            "scene.toml: scripts.go.hand: found no file \"no.csv\", expected an existing file");
+  EXPECT_EQ(load_error(m + "[scripts.go]\ndescription = \"x\"\n"),
+            "scene.toml: scripts.go.hand: found nothing, expected a path to a CSV file of poses");
+  EXPECT_EQ(load_error(m + "[scripts.Go]\nhand = \"no.csv\"\n").find("scene.toml: scripts.Go.hand: found this unknown"),
+            0u);
+  EXPECT_EQ(load_error("title = \"a\"\ntitle = \"b\"\n").find("scene.toml: line 2: found "), 0u);
+  EXPECT_EQ(load_error("title = \n").find("scene.toml: line 1: found "), 0u);
+  EXPECT_EQ(load_error(std::string("\xff\xfe\x00", 3)).find("scene.toml: line 1: found "), 0u);
+  EXPECT_EQ(load_error(""), "scene.toml: obstacle: found neither shape nor mesh, expected one of them");
+}
+
+TEST(Scene, MissingFileAndFolderAreNamed) {
+  TempFolder folder;
+  EXPECT_EQ(setup_error([&] { load_scene("/nowhere/a.toml"); }),
+            "/nowhere/a.toml: found no such file, expected a readable TOML file");
+  EXPECT_EQ(setup_error([&] { load_scene(folder.path()); }),
+            folder.path().string() + ": found something that is not a file, expected a readable TOML file");
+}
+
+TEST(Scene, FileNameThatIsNoSceneNameIsRefused) {
+  TempFolder folder;
+  const auto file = folder.write("My Scene.toml", kMinimal);
+  EXPECT_EQ(setup_error([&] { load_scene(file); }),
+            file.string() + ": name: found \"My Scene\", expected 1 to 24 of the characters a-z, 0-9 and -");
+}
+
+TEST(Machine, LoadsAndRefuses) {
+  TempFolder folder;
+  const MachineSpec m = load_machine(folder.write(
+      "m.toml", "transport = \"udp\"\n[device]\nmode = \"impedance\"\n[view]\nport = 0\n[cache]\ndir = \"c\"\n"));
+  EXPECT_EQ(m.transport, "udp");
+  EXPECT_EQ(m.port, 0);
+  EXPECT_EQ(m.cache_dir, folder.path() / "c");
+  const auto bad = folder.write("bad.toml", "[device]\nrate = 1000\n");
+  EXPECT_EQ(setup_error([&] { load_machine(bad); }), bad.string() +
+                                                         ": device.rate: found this unknown key at line 2, "
+                                                         "expected a known key; did you mean device.rate_hz?");
+}
+
+TEST(Machine, TheDefaultFileSaysWhatTheProgramDoesAnyway) {
+  const MachineSpec m = load_machine(TACT_SOURCE_DIR "/deploy/machines/default.toml");
+  const MachineSpec d;
+  EXPECT_EQ(m.device, d.device);
+  EXPECT_EQ(m.mode, d.mode);
+  EXPECT_EQ(m.rate_hz, d.rate_hz);
+  EXPECT_EQ(m.transport, d.transport);
+  EXPECT_EQ(m.force_limit_n, d.force_limit_n);
+  EXPECT_EQ(m.torque_limit_nm, d.torque_limit_nm);
+  EXPECT_EQ(m.force_slope_n_per_s, d.force_slope_n_per_s);
+  EXPECT_EQ(m.torque_slope_nm_per_s, d.torque_slope_nm_per_s);
+  EXPECT_EQ(m.cpu_coupling, d.cpu_coupling);
+  EXPECT_EQ(m.cpu_contact, d.cpu_contact);
+  EXPECT_EQ(m.view, d.view);
+  EXPECT_EQ(m.port, d.port);
+  EXPECT_EQ(m.bind, d.bind);
+}
+
+}  // namespace
+}  // namespace tact
