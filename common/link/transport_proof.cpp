@@ -1,0 +1,80 @@
+#include "link/transport_proof.hpp"
+
+#include <chrono>
+#include <fstream>
+#include <sstream>
+
+#include "rt/histogram.hpp"
+
+namespace tact {
+namespace {
+
+constexpr std::int64_t kReplyLimitNs = 200'000'000;
+
+std::int64_t now_ns() { return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds{1}; }
+
+/// False when it was not answered in time or the thread was given up.
+bool round_trip(CouplingEnds& ends, const wire::ToolPose& pose, WriteGuard& guard) {
+  guard.enter();
+  const bool written = ends.out.write(pose);
+  if (!guard.leave() || !written) return false;
+  const std::int64_t until = now_ns() + kReplyLimitNs;
+  for (std::int64_t left = kReplyLimitNs; left > 0; left = until - now_ns()) {
+    ends.in.wait(left);
+    for (wire::ContactWrench reply; ends.in.take(reply);) {
+      if (reply.pose_epoch == pose.epoch && reply.pose_seq == pose.seq) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+std::uint64_t udp_datagrams_sent() {
+  // "Udp: InDatagrams NoPorts InErrors OutDatagrams ..." and below it the numbers.
+  std::ifstream file("/proc/net/snmp");
+  std::string names, values;
+  while (std::getline(file, names) && std::getline(file, values)) {
+    if (names.rfind("Udp:", 0) != 0) continue;
+    std::istringstream name(names), value(values);
+    std::string n, v;
+    while (name >> n && value >> v) {
+      if (n == "OutDatagrams") return std::stoull(v);
+    }
+  }
+  return 0;
+}
+
+std::string TransportProof::text() const {
+  std::ostringstream out;
+  out.precision(3);
+  out << round_trips << " round trips, p50 " << p50_us << " us, p99 " << p99_us << " us, max " << max_us << " us, "
+      << datagrams << " datagrams";
+  return out.str();
+}
+
+TransportProof prove_transport(CouplingEnds& ends, wire::ToolPose pose, WriteGuard& guard, int round_trips) {
+  TransportProof proof;
+  pose.flags |= tact_haptic_TOOL_POSE_QUERY_ONLY;
+  pose.seq = kProofSeq;
+  for (int attempt = 0; attempt < 3 && !proof.no_datagrams; ++attempt) {
+    proof = {};
+    rt::Histogram times;
+    const std::uint64_t before = udp_datagrams_sent();
+    for (; proof.round_trips < round_trips; ++proof.round_trips) {
+      ++pose.seq;
+      pose.t_mono_ns = now_ns();
+      if (!round_trip(ends, pose, guard)) return proof;
+      times.add(now_ns() - pose.t_mono_ns);
+    }
+    proof.datagrams = udp_datagrams_sent() - before;
+    proof.answered = true;
+    proof.no_datagrams = proof.datagrams < static_cast<std::uint64_t>(round_trips) / 2;  // two messages a round trip
+    proof.p50_us = times.percentile_ns(0.5) * 1e-3;
+    proof.p99_us = times.percentile_ns(0.99) * 1e-3;
+    proof.max_us = times.max_ns * 1e-3;
+  }
+  return proof;
+}
+
+}  // namespace tact

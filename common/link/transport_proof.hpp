@@ -1,0 +1,30 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "link/haptic_ends.hpp"
+#include "link/write_guard.hpp"
+
+namespace tact {
+
+/// Datagrams this network namespace has sent, from /proc/net/snmp.
+std::uint64_t udp_datagrams_sent();
+
+struct TransportProof {
+  bool answered = false;       ///< every pose was
+  bool no_datagrams = false;   ///< the exchange used no network: fewer datagrams sent than a quarter of the messages
+  int round_trips = 0;
+  std::uint64_t datagrams = 0; ///< sent by anybody meanwhile
+  double p50_us = 0, p99_us = 0, max_us = 0;
+  std::string text() const;    ///< "500 round trips, p50 25 us, p99 60 us, max 190 us, 3 datagrams"
+};
+
+/// Sequence numbers of proof poses have this bit: their replies are never mistaken for those of ticks.
+inline constexpr std::uint64_t kProofSeq = std::uint64_t{1} << 63;
+
+/// Sends `round_trips` copies of `pose` (TOOL_POSE_QUERY_ONLY set) one after the other, each after the reply to the one
+/// before, and counts datagrams: other processes may send some, so up to three attempts. Coupling's side, on its
+/// writing thread; the guard may be abandoned meanwhile (answered is false then, and the caller returns at once).
+TransportProof prove_transport(CouplingEnds& ends, wire::ToolPose pose, WriteGuard& guard, int round_trips = 500);
+
+}  // namespace tact
