@@ -35,7 +35,8 @@ std::string lock_memory() {
   const std::string remedy =
       ": ticks may wait for pages; allow `memlock unlimited` for this user in /etc/security/limits.d, or run as root";
   if (!enough && !may_lock_without_limit()) {
-    return "memory not locked: the limit is " + std::to_string(limit.rlim_cur >> 20) + " MB, 1024 MB are needed" + remedy;
+    return "memory not locked: the limit is " + std::to_string(limit.rlim_cur >> 20) + " MB, 1024 MB are needed" +
+           remedy;
   }
   if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
     return std::string("memory not locked (") + std::strerror(errno) + ")" + remedy;

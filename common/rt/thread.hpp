@@ -7,10 +7,10 @@
 namespace tact::rt {
 
 struct ThreadOptions {
-  std::string name = "tact";           ///< at most 15 characters: `ps -L`, `top -H`
-  int priority = 0;                    ///< SCHED_FIFO 1..99; 0: normal scheduling
-  int cpu = -1;                        ///< pinned to this CPU; -1: any
-  std::size_t stack_bytes = 1 << 20;   ///< allocated by us and touched before the body runs
+  std::string name = "tact";          ///< at most 15 characters: `ps -L`, `top -H`
+  int priority = 0;                   ///< SCHED_FIFO 1..99; 0: normal scheduling
+  int cpu = -1;                       ///< pinned to this CPU; -1: any
+  std::size_t stack_bytes = 1 << 20;  ///< allocated by us and touched before the body runs
 };
 
 /// A thread of our own with a scheduling class. The body must not throw. What the system refuses (priority, affinity)

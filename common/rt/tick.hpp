@@ -10,9 +10,9 @@ std::int64_t monotonic_ns() noexcept;
 
 /// One executed tick of a periodic loop. Times are CLOCK_MONOTONIC.
 struct Tick {
-  std::uint64_t index = 0;    ///< executed ticks, from 0: skipped grid points do not count
-  std::int64_t due_ns = 0;    ///< its grid point
-  std::int64_t woke_ns = 0;   ///< when it really began
+  std::uint64_t index = 0;   ///< executed ticks, from 0: skipped grid points do not count
+  std::int64_t due_ns = 0;   ///< its grid point
+  std::int64_t woke_ns = 0;  ///< when it really began
   std::int64_t period_ns = 0;
   std::uint64_t skipped = 0;  ///< grid points skipped just before this one
 };

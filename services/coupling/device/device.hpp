@@ -7,8 +7,8 @@
 
 namespace tact::coupling {
 
-/// Impedance: the device gives the handle's pose and twist and takes a wrench. Pseudo-admittance ([P] fig. 13): it takes
-/// a set-point (pose and twist) and gives the wrench of the spring its driver keeps between handle and set-point.
+/// Impedance: the device gives the handle's pose and twist and takes a wrench. Pseudo-admittance ([P] fig. 13): it
+/// takes a set-point (pose and twist) and gives the wrench of the spring its driver keeps between handle and set-point.
 enum class DeviceMode { impedance, pseudo_admittance };
 
 /// "impedance", "pseudo-admittance".
@@ -41,9 +41,9 @@ struct SetPoint {
 
 /// What a simulated hand must be told and a real one sees for itself.
 struct HandCue {
-  bool live = false;     ///< haptics are on: a person waits while they are not
-  bool hold = false;     ///< a mouse holds the handle
-  Pose X_WH_target;      ///< and wants it here
+  bool live = false;  ///< haptics are on: a person waits while they are not
+  bool hold = false;  ///< a mouse holds the handle
+  Pose X_WH_target;   ///< and wants it here
 };
 
 /// A haptic device, opened in one mode. One thread calls all of it, except power_off(). Destroying it rests the arm.

@@ -32,9 +32,7 @@ std::unique_ptr<HapticDevice> open_simulated(const DeviceOptions& options) {
 
 }  // namespace
 
-const char* name(DeviceMode mode) noexcept {
-  return mode == DeviceMode::impedance ? "impedance" : "pseudo-admittance";
-}
+const char* name(DeviceMode mode) noexcept { return mode == DeviceMode::impedance ? "impedance" : "pseudo-admittance"; }
 
 std::unique_ptr<HapticDevice> open_device(const DeviceOptions& options) {
   if (options.name == "simulated") return open_simulated(options);

@@ -10,11 +10,11 @@ struct DeviceOptions {
   std::string name = "simulated";
   std::string mode = "pseudo-admittance";
   double rate_hz = 1000;
-  Pose X_WH_start;                 ///< where a simulated handle begins
-  HandMotion hand_motion;          ///< X_WM; empty: none
-  Pose X_TM;                       ///< mesh frame of the tool in T: H is where T is for a person who leads the mesh
+  Pose X_WH_start;         ///< where a simulated handle begins
+  HandMotion hand_motion;  ///< X_WM; empty: none
+  Pose X_TM;               ///< mesh frame of the tool in T: H is where T is for a person who leads the mesh
   double hand_force_max_n = 20;
-  double virtual_mass_kg = 0.2;    ///< of the handle body, pseudo-admittance
+  double virtual_mass_kg = 0.2;  ///< of the handle body, pseudo-admittance
   Mat3 virtual_inertia_shape_m2 = Mat3::Identity() * 1e-3;
 };
 

@@ -68,8 +68,8 @@ void SimulatedDevice::write(const SetPoint& set_point) noexcept {
 Wrench SimulatedDevice::spring_W() const noexcept {
   if (!powered_.load(std::memory_order_relaxed)) return {};
   const Vec6 x = displacement(X_WH_, set_point_now_.X_W);
-  const Vec3 force = capabilities_.spring_n_per_m * x.head<3>() +
-                     spring_damping_ * (set_point_now_.V_W.linear - V_WH_.linear);
+  const Vec3 force =
+      capabilities_.spring_n_per_m * x.head<3>() + spring_damping_ * (set_point_now_.V_W.linear - V_WH_.linear);
   const Vec3 torque = capabilities_.spring_nm_per_rad * x.tail<3>() +
                       spring_angular_damping_ * (set_point_now_.V_W.angular - V_WH_.angular);
   return {at_most(force, params_.force_peak_n), at_most(torque, params_.torque_peak_nm)};

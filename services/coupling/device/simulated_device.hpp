@@ -24,7 +24,7 @@ class SimulatedDevice final : public HapticDevice {
   struct Params {
     DeviceMode mode = DeviceMode::pseudo_admittance;
     double rate_hz = 1000;
-    double mass_kg = 0.8, inertia_kg_m2 = 0.003;                 ///< of the arm at the handle
+    double mass_kg = 0.8, inertia_kg_m2 = 0.003;  ///< of the arm at the handle
     double friction_n_s_per_m = 2, friction_nm_s_per_rad = 0.02;
     double force_peak_n = 35, torque_peak_nm = 3;
     double virtual_mass_kg = 0.2, virtual_inertia_kg_m2 = 1e-4;  ///< of the handle body: for the inner gains

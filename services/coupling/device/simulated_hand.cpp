@@ -36,10 +36,10 @@ void SimulatedHand::advance(const HandCue& cue, const Pose& X_WH, double dt) noe
 
 Wrench SimulatedHand::wrench_W(const Pose& X_WH, const Twist& V_WH) const noexcept {
   const Vec6 miss = displacement(X_WH, X_W_aim_);
-  const Vec3 force = params_.stiffness_n_per_m * miss.head<3>() +
-                     params_.damping_n_s_per_m * (V_W_aim_.linear - V_WH.linear);
-  const Vec3 torque = params_.stiffness_nm_per_rad * miss.tail<3>() +
-                      params_.damping_nm_s_per_rad * (V_W_aim_.angular - V_WH.angular);
+  const Vec3 force =
+      params_.stiffness_n_per_m * miss.head<3>() + params_.damping_n_s_per_m * (V_W_aim_.linear - V_WH.linear);
+  const Vec3 torque =
+      params_.stiffness_nm_per_rad * miss.tail<3>() + params_.damping_nm_s_per_rad * (V_W_aim_.angular - V_WH.angular);
   return {at_most(force, params_.force_max_n) - params_.tissue_n_s_per_m * V_WH.linear,
           at_most(torque, params_.torque_max_nm) - params_.tissue_nm_s_per_rad * V_WH.angular};
 }

@@ -14,13 +14,13 @@ namespace tact::coupling {
 class SimulatedHand {
  public:
   struct Params {
-    double force_max_n = 20, torque_max_nm = 2;           ///< strength; tissue damping is not counted
+    double force_max_n = 20, torque_max_nm = 2;  ///< strength; tissue damping is not counted
     double stiffness_n_per_m = 800, stiffness_nm_per_rad = 8;
     double damping_n_s_per_m = 60, damping_nm_s_per_rad = 0.4;
     double tissue_n_s_per_m = 5, tissue_nm_s_per_rad = 0.02;
     double mass_kg = 0.4, inertia_kg_m2 = 0.0015;
-    double follow_per_s = 30;                             ///< 1 / lag of the aim
-    double speed_m_per_s = 1, speed_rad_per_s = 6;        ///< of the aim
+    double follow_per_s = 30;                       ///< 1 / lag of the aim
+    double speed_m_per_s = 1, speed_rad_per_s = 6;  ///< of the aim
   };
 
   /// `motion_WH`: poses of H; empty: no script, the hand stays at X_WH.

@@ -11,8 +11,8 @@ struct MotionLimit {
 
   double motion_m(const Pose& X_WA, const Pose& X_WB) const noexcept;
 
-  /// `next` was integrated from `X_before`. Cuts it (and its twist, in proportion) if it went too far; true when it did.
-  /// Moving back towards X_answered is never cut.
+  /// `next` was integrated from `X_before`. Cuts it (and its twist, in proportion) if it went too far; true when it
+  /// did. Moving back towards X_answered is never cut.
   bool apply(const Pose& X_answered, const Pose& X_before, BodyState& next, double allowed_m) const noexcept;
 };
 

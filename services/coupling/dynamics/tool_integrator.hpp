@@ -35,9 +35,9 @@ enum class Integrator { semi_implicit, implicit };
 class ToolIntegrator {
  public:
   struct Params {
-    double mass_kg = 0.2;                           ///< of the tool; the handle body's is equal
+    double mass_kg = 0.2;                             ///< of the tool; the handle body's is equal
     Mat3 inertia_shape_m2 = Mat3::Identity() * 1e-3;  ///< inertia of unit mass about To in T
-    bool rotation_locked = false;                   ///< translation only, both bodies
+    bool rotation_locked = false;                     ///< translation only, both bodies
     Integrator integrator = Integrator::implicit;
   };
 

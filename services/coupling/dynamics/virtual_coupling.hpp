@@ -14,13 +14,13 @@ namespace tact::coupling {
 /// The cap ([P] eq. 15: force_max = k_contact x_max) holds for spring and damper together. **+F_VC acts on the tool,
 /// -F_VC on the handle** ([P] fig. 13's text has the signs the other way round, which repels).
 struct CouplingGains {
-  double k = 0;                 ///< N/m
-  double b = 0;                 ///< N s/m
-  double k_r = 0;               ///< Nm/rad
-  Mat3 B_r_T = Mat3::Zero();    ///< Nm s/rad, in T
+  double k = 0;                                                 ///< N/m
+  double b = 0;                                                 ///< N s/m
+  double k_r = 0;                                               ///< Nm/rad
+  Mat3 B_r_T = Mat3::Zero();                                    ///< Nm s/rad, in T
   double force_max = std::numeric_limits<double>::infinity();   ///< N
   double torque_max = std::numeric_limits<double>::infinity();  ///< Nm
-  double strength = 1;          ///< 0..1: fades the coupling out when replies are late and in after
+  double strength = 1;  ///< 0..1: fades the coupling out when replies are late and in after
 };
 
 /// k, k_r and their critical damping times `damping_ratio`: b = 2 z sqrt(k m), B_r = 2 z sqrt(k_r) sqrt(I) (matrix

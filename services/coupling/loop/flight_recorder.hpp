@@ -13,17 +13,17 @@ namespace tact::coupling {
 struct TickRecord {
   std::uint64_t tick = 0;
   std::int64_t t_mono_ns = 0;
-  std::uint64_t pose_seq = 0;        ///< published this tick
-  std::uint64_t reply_seq = 0;       ///< pose the wrench in use was computed at; 0: none yet
+  std::uint64_t pose_seq = 0;          ///< published this tick
+  std::uint64_t reply_seq = 0;         ///< pose the wrench in use was computed at; 0: none yet
   std::uint32_t wrench_age_ticks = 0;  ///< executed ticks since that wrench arrived: 0 on the tick that first used it
-  std::uint32_t faults = 0;          ///< tact::Fault bits set in this tick
+  std::uint32_t faults = 0;            ///< tact::Fault bits set in this tick
   std::uint32_t contact_count = 0;
   Pose X_WH, X_WT;
-  Wrench F_contact_W;                ///< on the tool, after extrapolation or fade
-  Wrench F_sent_W;                   ///< impedance: wrench sent to the device; pseudo-admittance: of the coupling
-  Pose X_sent;                       ///< pseudo-admittance: set-point sent
+  Wrench F_contact_W;  ///< on the tool, after extrapolation or fade
+  Wrench F_sent_W;     ///< impedance: wrench sent to the device; pseudo-admittance: of the coupling
+  Pose X_sent;         ///< pseudo-admittance: set-point sent
   double max_depth_m = 0;
-  std::int64_t tick_ns = 0;          ///< time the tick took
+  std::int64_t tick_ns = 0;  ///< time the tick took
 };
 
 /// The last seconds of ticks, always. The device loop pushes (wait-free); another thread drains, and writes the history
@@ -50,7 +50,7 @@ class FlightRecorder {
   rt::SpscRing<TickRecord> ring_;
   std::deque<TickRecord> history_;
   std::uint32_t last_faults_ = 0;
-  std::size_t dump_in_ = 0;        // ticks until the pending dump; 0: none pending
+  std::size_t dump_in_ = 0;  // ticks until the pending dump; 0: none pending
   std::uint32_t dump_faults_ = 0;
 };
 

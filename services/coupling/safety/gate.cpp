@@ -75,12 +75,11 @@ void SetPointGate::limit(const Pose& X_wanted, const Twist& V_wanted, const Pose
                              clamped(step.tail<3>(), turn * h, report_.limited))
                                 .finished());
   const Vec6 reach = displacement(last_X_WH_, X_sent);
-  X_sent = displaced(last_X_WH_,
-                     (Vec6() << clamped(reach.head<3>(), ramp_.value() * limits_.force_n / limits_.spring_n_per_m,
-                                        report_.limited),
-                      clamped(reach.tail<3>(), ramp_.value() * limits_.torque_nm / limits_.spring_nm_per_rad,
-                              report_.limited))
-                         .finished());
+  X_sent = displaced(
+      last_X_WH_,
+      (Vec6() << clamped(reach.head<3>(), ramp_.value() * limits_.force_n / limits_.spring_n_per_m, report_.limited),
+       clamped(reach.tail<3>(), ramp_.value() * limits_.torque_nm / limits_.spring_nm_per_rad, report_.limited))
+          .finished());
   last_ = X_sent;
 }
 

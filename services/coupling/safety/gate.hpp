@@ -4,13 +4,14 @@
 namespace tact::coupling {
 
 /// The last thing before the motor, with a face for each device mode. Whatever comes in, what goes out is finite and
-/// within the limits; the rest of the program is not trusted. No clock, no file, no allocation: numbers in, numbers out.
+/// within the limits; the rest of the program is not trusted. No clock, no file, no allocation: numbers in, numbers
+/// out.
 struct GateLimits {
   double force_n = 30, torque_nm = 3;
   double force_slope_n_per_s = 5000, torque_slope_nm_per_s = 500;
-  double speed_m_per_s = 2, speed_rad_per_s = 15;      ///< of a set-point
+  double speed_m_per_s = 2, speed_rad_per_s = 15;       ///< of a set-point
   double spring_n_per_m = 2000, spring_nm_per_rad = 5;  ///< of the driver, handle to set-point
-  double ramp_s = 0.5;                                 ///< force and torque limits grow from 0 after engaging
+  double ramp_s = 0.5;                                  ///< force and torque limits grow from 0 after engaging
 };
 
 /// What the gate had to do.

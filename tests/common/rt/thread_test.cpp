@@ -65,7 +65,8 @@ TEST(PeriodicThread, EndsWhenTheBodySaysSo) {
 
 TEST(PeriodicThread, StopEndsAnEndlessBody) {
   Ticker ticker(100'000);
-  PeriodicThread thread({.name = "periodic"}, [&] { return ticker.wait(); }, [](const Tick&) { return Next::again; });
+  PeriodicThread thread(
+      {.name = "periodic"}, [&] { return ticker.wait(); }, [](const Tick&) { return Next::again; });
   thread.stop();
   EXPECT_FALSE(thread.running());
 }

@@ -2,16 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include "fault/fault.hpp"
 #include "coupling/device/open_device.hpp"
+#include "fault/fault.hpp"
 #include "math/exp_log.hpp"
 
 namespace tact::coupling {
 namespace {
 
-HandMotion line_to(const Vec3& p, double seconds) {
-  return {{0, seconds}, {Pose{}, Pose{p, Quat::Identity()}}};
-}
+HandMotion line_to(const Vec3& p, double seconds) { return {{0, seconds}, {Pose{}, Pose{p, Quat::Identity()}}}; }
 
 SimulatedDevice device_in(DeviceMode mode, HandMotion motion = {}, double rate_hz = 1000) {
   SimulatedDevice::Params params;

@@ -30,8 +30,7 @@ Vec3 angular_momentum(const ToolIntegrator& tool, const BodyState& body) {
 }
 
 class BothIntegrators : public ::testing::TestWithParam<Integrator> {};
-INSTANTIATE_TEST_SUITE_P(All, BothIntegrators,
-                         ::testing::Values(Integrator::semi_implicit, Integrator::implicit),
+INSTANTIATE_TEST_SUITE_P(All, BothIntegrators, ::testing::Values(Integrator::semi_implicit, Integrator::implicit),
                          [](const auto& i) { return i.param == Integrator::implicit ? "Implicit" : "SemiImplicit"; });
 
 TEST_P(BothIntegrators, FreeMotionConservesBothMomentaAndMovesInAStraightLine) {
@@ -147,8 +146,7 @@ TEST(Implicit, TwoBodiesBySchurComplementSolveTheFullSystemOfTwelve) {
   };
   Mat6 D = Mat6::Zero();
   D.topLeftCorner<3, 3>() = (kH * gains.k + gains.b) * Mat3::Identity();
-  D.bottomRightCorner<3, 3>() =
-      kH * gains.k_r * error.gradient() + T.X_W.R() * gains.B_r_T * T.X_W.R().transpose();
+  D.bottomRightCorner<3, 3>() = kH * gains.k_r * error.gradient() + T.X_W.R() * gains.B_r_T * T.X_W.R().transpose();
   Vec6 s0;
   s0 << gains.k * (H.X_W.p - T.X_W.p), gains.k_r * error.value();
   Mat12 S;

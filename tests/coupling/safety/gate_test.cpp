@@ -15,9 +15,13 @@ constexpr double kH = 1e-3;
 class Hostile {
  public:
   double number(double scale) {
-    static const std::array kEvil{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
-                                  -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::max(),
-                                  -1e300, 5e-324, 0.0};
+    static const std::array kEvil{std::numeric_limits<double>::quiet_NaN(),
+                                  std::numeric_limits<double>::infinity(),
+                                  -std::numeric_limits<double>::infinity(),
+                                  std::numeric_limits<double>::max(),
+                                  -1e300,
+                                  5e-324,
+                                  0.0};
     if (random_() % 20 == 0) return kEvil[random_() % kEvil.size()];
     return scale * normal_(random_);
   }
@@ -97,8 +101,8 @@ TEST(SetPointGate, WhateverComesInTheDriversSpringNeverExceedsTheForceLimit) {
   for (int i = 0; i < 100000; ++i) {
     X_WH = displaced(X_WH, (Vec6() << hostile.sane(0.002), hostile.sane(0.01)).finished());
     const bool engaged = hostile.chance(99);
-    const Pose wanted = hostile.chance(50) ? Pose{hostile.vec(1), hostile.quat()}
-                                           : Pose{X_WH.p + hostile.vec(0.01), X_WH.q};
+    const Pose wanted =
+        hostile.chance(50) ? Pose{hostile.vec(1), hostile.quat()} : Pose{X_WH.p + hostile.vec(0.01), X_WH.q};
     Pose sent;
     Twist V;
     gate.limit(wanted, {hostile.vec(5), hostile.vec(20)}, X_WH, engaged, kH, sent, V);
@@ -134,7 +138,8 @@ TEST(SetPointGate, ARefusedSetPointStaysWhereItWasAtRest) {
   SetPointGate gate(GateLimits{});
   Pose sent, before;
   Twist V;
-  for (int i = 0; i < 600; ++i) gate.limit({{0.002, 0, 0}, Quat::Identity()}, {{1, 0, 0}, Vec3::Zero()}, {}, true, kH, before, V);
+  for (int i = 0; i < 600; ++i)
+    gate.limit({{0.002, 0, 0}, Quat::Identity()}, {{1, 0, 0}, Vec3::Zero()}, {}, true, kH, before, V);
   EXPECT_EQ(before.p.x(), 0.002);
   gate.limit({{0.002, 0, 0}, Quat(0, 0, 0, 0)}, {{1, 0, 0}, Vec3::Zero()}, {}, true, kH, sent, V);
   EXPECT_TRUE(gate.report().not_finite);
