@@ -1,0 +1,13 @@
+#pragma once
+#include <string>
+
+#include "cli/run_options.hpp"
+
+namespace tact::cli {
+
+/// The subcommands of `tact`. Each returns the exit code; each throws SetupError for what a user can mend.
+int run(const RunOptions& options);
+int scenes(bool json);
+int doctor(bool json);
+
+}  // namespace tact::cli

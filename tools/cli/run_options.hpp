@@ -1,0 +1,39 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "session/session.hpp"
+
+namespace tact::cli {
+
+/// One setting of the command line, as typed: "--law" "contact.law" "global".
+struct Setting {
+  std::string option, key, value;
+};
+
+/// What `tact run` was told. Empty: not said.
+struct RunOptions {
+  std::string scene, script, session, unit;
+  std::filesystem::path machine_file, obstacle, tool, hand;
+  std::vector<Setting> settings;  ///< in the order typed
+  std::optional<double> for_s;
+  std::filesystem::path report, plot;
+  std::filesystem::path write_session;  ///< write the session file here and do not run
+};
+
+/// The session these options describe: scene and machine files, then the settings on top. run_dir and a port of 0 are
+/// left to whoever runs it. Throws SetupError naming the option or the key.
+Session resolve(const RunOptions& options);
+
+/// Sets a scene or machine key; error texts begin with the option.
+void apply(const Setting& setting, SceneSpec& scene, MachineSpec& machine);
+
+/// "20s", "1.5 min" style durations: a number with ms, s, min or h; a bare number is seconds. Throws SetupError.
+double parse_duration_s(const std::string& option, const std::string& text);
+
+/// KEY=VALUE of --set. Throws SetupError.
+Setting parse_set(const std::string& text);
+
+}  // namespace tact::cli

@@ -1,0 +1,116 @@
+// What the supervisor tells a person: progress, what was loaded, one status line, the report.
+#include <cstdio>
+#include <fstream>
+
+#include "fault/fault.hpp"
+#include "supervise/supervisor.hpp"
+
+namespace tact::supervise {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kRefresh = 100ms;
+constexpr auto kShortEnough = 2s;  // loading for less needs no progress line
+
+template <class... Args>
+std::string text(const char* format, Args... args) {
+  char buffer[512];
+  std::snprintf(buffer, sizeof buffer, format, args...);
+  return buffer;
+}
+
+std::string url(const Session& session) {
+  std::string host = session.machine.bind;
+  if (host == "0.0.0.0" || host == "::") host = "localhost";  // any address of this machine
+  if (host.find(':') != std::string::npos) host = "[" + host + "]";
+  return "http://" + host + ":" + std::to_string(session.machine.port) + "/?token=" + session.machine.token;
+}
+
+}  // namespace
+
+void Supervisor::show() {
+  const auto now = Clock::now();
+  if (now < next_show_) return;
+  next_show_ = now + kRefresh;
+  if (monitor_->begun()) {
+    console_.status(status_line());
+    return;
+  }
+  const auto contact = monitor_->alive("contact");
+  if (!contact || contact->phase != wire::kLoading) return;
+  if (now - loading_since_ < kShortEnough) return;
+  const std::string percent = contact->progress >= 0 ? text("%3.0f %%  ", 100 * contact->progress) : std::string();
+  console_.status("loading  " + percent + contact->detail);
+}
+
+std::string Supervisor::status_line() const {
+  std::string line = text("%7.1f s  ", monitor_->elapsed_s());
+  const auto coupling = monitor_->alive("coupling");
+  const bool active = coupling && coupling->phase == wire::kActive && !roudi_watch_.lost();
+  line += !coupling ? "no coupling" : active ? "active" : "degraded";
+  if (const auto& d = monitor_->device()) {
+    if (d->script_time_s >= 0) line += d->script_done ? "  script done" : text("  script %.1f s", d->script_time_s);
+    const double voxel_m = monitor_->scene() != nullptr ? monitor_->scene()->voxel_m : 0;
+    line += text(" | %3u contacts  %.2f voxels deep  %5.2f N", d->contact_count,
+                 voxel_m > 0 ? d->max_depth_m / voxel_m : 0.0, d->force_max_n);
+    line += text(" | tick %.0f us  round trip %.0f us", d->tick_us_max, d->round_trip_us);
+    if (d->faults != 0) line += " | " + fault_names(d->faults);
+  }
+  return line;
+}
+
+void Supervisor::announce() {
+  const wire::SceneInfo& scene = *monitor_->scene();
+  std::string title = "Session " + session_.name + ": scene " + session_.scene.name;
+  if (!session_.scene.title.empty()) title += ", " + session_.scene.title;
+  console_.line(title);
+  console_.line(
+      text("  law %s at %.0f N/m; a voxel is %.3f mm; ", scene.law, scene.stiffness_n_per_m, scene.voxel_m * 1e3) +
+      session_.machine.device + " device, " + session_.machine.mode + text(", %.0f Hz, ", session_.machine.rate_hz) +
+      (!shm()                             ? "UDP"
+       : monitor_->shared_memory_proven() ? "shared memory, proven"
+                                          : "shared memory"));
+  for (const auto& part : monitor_->report().loaded) {
+    console_.line(text("  loaded %-40s %6.2f s %8.1f MB", part.what.c_str(), part.seconds,
+                       static_cast<double>(part.bytes) / 1e6));
+  }
+  next_measure_ = {};
+  measure();
+  std::string memory;
+  for (const auto& s : services_) {
+    memory += (memory.empty() ? "" : ", ") + s->name + text(" %.0f MB", s->use.resident_mb);
+  }
+  console_.line("  memory " + memory);
+  if (session_.machine.view) console_.line("  open   " + url(session_));
+  console_.line("  logs   " + run_dir_.path().string());
+}
+
+void Supervisor::write_report() {
+  report::SessionReport report = monitor_->report();
+  for (const auto& s : services_) {
+    double lived_s = s->lived_s;
+    if (s->child) lived_s += std::chrono::duration<double>(Clock::now() - s->started).count();
+    const double cpu_s = s->earlier_cpu_s + s->use.cpu_s;
+    report.services.push_back({s->name, lived_s > 0 ? 100 * cpu_s / lived_s : 0, s->use.resident_mb, s->restarts});
+  }
+  console_.line(report::to_table(report));
+  if (!options_.report.empty()) {
+    std::ofstream out(options_.report);
+    out << report::to_json(report) << std::flush;
+    if (!out) throw SetupError("--report: " + options_.report.string() + " could not be written: is the disk full?");
+    console_.line("Report: " + options_.report.string());
+  }
+  std::filesystem::path plot = options_.plot;
+  if (plot.empty() && !options_.report.empty()) plot = std::filesystem::path(options_.report).replace_extension(".png");
+  if (plot.empty()) return;
+  try {
+    report::write_plot(session_.name + ": " + report.scene + " " + report.script + ", law " + report.law,
+                       monitor_->samples(), plot);
+    console_.line("Plot: " + plot.string());
+  } catch (const SetupError& e) {
+    console_.line(std::string("! no plot: ") + e.what());
+  }
+}
+
+}  // namespace tact::supervise
