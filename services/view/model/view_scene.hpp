@@ -20,6 +20,7 @@ struct SceneInfo {
   double tool_radius_m = 0;           ///< farthest shell point from To
   std::string law;
   double stiffness_n_per_m = 0, x_max_m = 0;
+  bool saturation = true;
 };
 
 struct Contact {
