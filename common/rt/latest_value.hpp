@@ -14,10 +14,11 @@ namespace tact::rt {
 ///     writer: slots_[w] = value;  w = middle_.exchange(w | kNew)   release: the slot's content before its index
 ///     reader: if (middle_ has kNew)  r = middle_.exchange(r)       acquire: the index before the slot's content
 ///
-/// Nobody waits; an unread value is overwritten; the reader never sees a torn value. Does not allocate.
+/// Nobody waits; an unread value is overwritten; the reader never sees a torn value. Does not allocate: T is of fixed
+/// size and trivially destructible (fixed-size Eigen members are, though they hide it from is_trivially_copyable).
 template <class T>
 class LatestValue {
-  static_assert(std::is_trivially_copyable_v<T> || std::is_nothrow_copy_assignable_v<T>);
+  static_assert(std::is_copy_assignable_v<T> && std::is_trivially_destructible_v<T>);
 
  public:
   void write(const T& value) noexcept {

@@ -24,7 +24,7 @@ struct CouplingGains {
 };
 
 /// k, k_r and their critical damping times `damping_ratio`: b = 2 z sqrt(k m), B_r = 2 z sqrt(k_r) sqrt(I) (matrix
-/// square root: each principal axis at its own inertia). Setup only.
+/// square root: each principal axis at its own inertia). A microsecond, no allocation.
 CouplingGains coupling_gains(double k, double k_r, double damping_ratio, double mass, const Mat3& inertia_T);
 
 /// s min(1, m / |s|), finite for any finite s and m >= 0.

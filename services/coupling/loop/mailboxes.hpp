@@ -9,12 +9,17 @@
 
 namespace tact::coupling {
 
+/// ToolSample::flags and ContactReply::status, same bits as haptic.idl.
+inline constexpr std::uint32_t kToolReset = 1, kToolQueryOnly = 2;
+inline constexpr std::uint32_t kReplyOverflow = 1, kReplySignDoubtful = 2, kReplyPastMidSurface = 4,
+                               kReplyBeyondBand = 8, kReplyCapped = 16, kReplyPoseInvalid = 32;
+
 /// What the device loop publishes each tick: the wire's ToolPose in our own types.
 struct ToolSample {
   std::uint64_t seq = 0;
   std::int64_t t_mono_ns = 0;
   std::int64_t step_ns = 0;
-  std::uint32_t flags = 0;  ///< haptic.idl TOOL_POSE_*
+  std::uint32_t flags = 0;  ///< kTool*
   Pose X_WT, X_WO;
   Twist V_WT, V_WO;
 };

@@ -1,0 +1,252 @@
+#include "coupling/loop/coupling_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fault/fault.hpp"
+#include "rt/alloc_guard.hpp"
+
+namespace tact::coupling {
+namespace {
+
+/// Replies to poses older than this are history: the tool has been elsewhere since.
+constexpr std::uint64_t kLagMax = 20;
+
+bool is_pose(const Pose& X) { return X.finite() && std::abs(X.q.squaredNorm() - 1) < 1e-3; }
+
+bool is_finite(const ContactReply& r) {
+  return r.F_W.vector().allFinite() && r.G.allFinite() && r.K.allFinite() && r.B.allFinite() && is_pose(r.X_WT) &&
+         std::isfinite(r.clearance_m) && std::isfinite(r.max_depth_m);
+}
+
+Wrench opposite(const Wrench& F) { return {-F.force, -F.torque}; }
+
+GateLimits with_springs(GateLimits limits, const DeviceCapabilities& device) {
+  if (device.mode == DeviceMode::pseudo_admittance) {
+    limits.spring_n_per_m = device.spring_n_per_m;
+    limits.spring_nm_per_rad = device.spring_nm_per_rad;
+  }
+  return limits;
+}
+
+}  // namespace
+
+CouplingLoop::CouplingLoop(const LoopConfig& config, HapticDevice& device, Mailboxes& mail, FlightRecorder* recorder)
+    : config_(config),
+      h_(1 / config.rate_hz),
+      mode_(device.capabilities().mode),
+      device_(device),
+      mail_(mail),
+      recorder_(recorder),
+      tool_(config.tool),
+      strength_(config.parameters, tool_.mass(), tool_.inertia_T(), config.gyration_radius_m, config.force_max_n),
+      motion_limit_{config.tool_radius_m},
+      wrench_gate_(config.gate),
+      set_point_gate_(with_springs(config.gate, device.capabilities())),
+      account_(config.rate_hz),
+      sent_(device.last_set_point()),
+      status_every_(std::max<std::uint64_t>(1, static_cast<std::uint64_t>(config.status_period_s * config.rate_hz))),
+      status_in_(1) {
+  tool_.reset(config.X_WT_start);
+  good_ = device.read();
+  X_WH_last_ = good_.X_WH;
+}
+
+rt::Next CouplingLoop::step(const rt::Tick& tick) noexcept {
+  const rt::RtSection guard;
+  faults_ = 0;
+  take_parameters();
+  take_hand_target();
+  const DeviceReading device = read_device();  // X_WH, V_WH, F_hand
+  take_reply();                                // F + G x at X_n, or its stale reaction
+  const bool may_act = device.engaged && !resting_.load(std::memory_order_relaxed);
+  strength_.advance(wrench_, may_act, tool_.F_coupling_W(), h_);
+  integrate(device);  // X_{n+1}
+  publish();          // the moment it is integrated
+  send(device);       // through the gate
+  close_tick(tick, device);
+  return rt::Next::again;
+}
+
+bool CouplingLoop::calm() const noexcept { return strength_.strength() == 0; }
+
+void CouplingLoop::take_parameters() noexcept {
+  LoopParameters parameters;
+  if (mail_.parameters.read(parameters)) strength_.set(parameters);
+}
+
+void CouplingLoop::take_hand_target() noexcept {
+  HandTargetSample hand;
+  if (mail_.hand.read(hand)) {
+    const bool usable = is_pose(hand.X_WM) && !device_.capabilities().real;
+    cue_.hold = hand.hold && usable;
+    if (usable) cue_.X_WH_target = Pose{hand.X_WM.p, hand.X_WM.q.normalized()} * config_.X_TM.inverse();
+  }
+  cue_.live = strength_.strength() >= 1 && ramped_;
+  device_.cue(cue_);
+}
+
+DeviceReading CouplingLoop::read_device() noexcept {
+  const DeviceReading reading = device_.read();
+  faults_ |= reading.faults;
+  if (is_pose(reading.X_WH) && reading.V_WH.vector().allFinite() && reading.F_hand_W.vector().allFinite()) {
+    return good_ = reading;
+  }
+  raise(Fault::not_finite);
+  DeviceReading held = good_;  // where it was, at rest, no hand
+  held.V_WH = {};
+  held.F_hand_W = {};
+  return held;
+}
+
+void CouplingLoop::take_reply() noexcept {
+  ContactReply reply;
+  bool fresh = mail_.reply.read(reply);
+  if (fresh && (!is_finite(reply) || (reply.status & kReplyPoseInvalid) != 0)) {
+    raise(Fault::not_finite);
+    fresh = false;
+  }
+  if (fresh && (reply.pose_seq > seq_ || reply.pose_seq <= reply_.pose_seq || seq_ - reply.pose_seq > kLagMax)) {
+    fresh = false;
+  }
+  if (fresh) {
+    if (reply_.server_epoch != 0 && reply.server_epoch != reply_.server_epoch) raise(Fault::peer_restarted);
+    reply_ = reply;
+    clearance_m_ = reply.clearance_m;
+    strength_.set_force_max(reply.stiffness_n_per_m * reply.x_max_m);
+    const ContactLinearisation linear{reply.X_WT, reply.F_W, reply.G, reply.K, reply.B};
+    wrench_.begin_tick(&linear);
+    account_.reply(reply, tool_.F_coupling_W(), strength_.force_max(), strength_.torque_max());
+  } else {
+    wrench_.begin_tick(nullptr);
+  }
+  contact_ = wrench_.at(tool_.tool().X_W);
+
+  if (reply_.status & kReplyOverflow) raise(Fault::contacts_full);
+  if (reply_.status & kReplySignDoubtful) raise(Fault::sign_doubtful);
+  if (reply_.status & kReplyPastMidSurface) raise(Fault::past_mid_surface);
+  if (reply_.status & kReplyBeyondBand) raise(Fault::beyond_band);
+  switch (wrench_.phase()) {
+    case WrenchModel::Phase::fresh:
+      break;
+    case WrenchModel::Phase::late:
+    case WrenchModel::Phase::fading:
+      raise(Fault::wrench_late);
+      break;
+    case WrenchModel::Phase::stale:
+      raise(Fault::wrench_stale);
+      break;
+  }
+}
+
+void CouplingLoop::integrate(const DeviceReading& device) noexcept {
+  motion_cut_ = false;
+  if (calm()) {
+    tool_.reset(tool_.tool().X_W);
+    tool_.set_handle({device.X_WH, {}});
+    return;
+  }
+  const Pose X_before = tool_.tool().X_W;
+  if (mode_ == DeviceMode::impedance) {
+    tool_.step(BodyState{device.X_WH, device.V_WH}, contact_, strength_.gains(), strength_.tool_damping(), h_);
+  } else {
+    tool_.step(device.F_hand_W, contact_, strength_.gains(), strength_.tool_damping(), h_);
+  }
+  BodyState next = tool_.tool();
+  motion_cut_ =
+      motion_limit_.apply(wrench_.X_WT_answered(), X_before, next, std::max(0.5 * config_.voxel_m, clearance_m_));
+  if (motion_cut_) {
+    tool_.set_tool(next);
+    raise(Fault::motion_capped);
+  }
+}
+
+void CouplingLoop::publish() noexcept {
+  ToolSample sample;
+  sample.seq = ++seq_;
+  sample.t_mono_ns = rt::monotonic_ns();
+  sample.step_ns = static_cast<std::int64_t>(std::llround(h_ * 1e9));
+  sample.flags = (seq_ == 1 ? kToolReset : 0) | (calm() ? kToolQueryOnly : 0);
+  sample.X_WT = tool_.tool().X_W;
+  sample.V_WT = tool_.tool().V_W;
+  sample.X_WO = config_.X_WO;
+  mail_.tool.write(sample);
+  mail_.tool_ready.ring();
+}
+
+void CouplingLoop::send(const DeviceReading& device) noexcept {
+  GateReport report;
+  if (mode_ == DeviceMode::impedance) {
+    account_.port_energy(F_sent_W_.vector().dot(displacement(X_WH_last_, device.X_WH)));
+    F_sent_W_ = wrench_gate_.limit(opposite(tool_.F_coupling_W()), device.engaged, h_);
+    device_.write(F_sent_W_);
+    report = wrench_gate_.report();
+    ramped_ = wrench_gate_.ramped();
+  } else {
+    const Pose X_last = sent_.X_W;
+    set_point_gate_.limit(tool_.handle().X_W, tool_.handle().V_W, device.X_WH, device.engaged, h_, sent_.X_W,
+                          sent_.V_W);
+    device_.write(sent_);
+    report = set_point_gate_.report();
+    ramped_ = set_point_gate_.ramped();
+    if (report.limited || report.not_finite) tool_.set_handle({sent_.X_W, sent_.V_W});  // the body is where we sent it
+    F_sent_W_ = opposite(tool_.F_coupling_W());
+    account_.port_energy(-device.F_hand_W.vector().dot(displacement(X_last, sent_.X_W)));
+  }
+  X_WH_last_ = device.X_WH;
+  if (report.limited) raise(Fault::gate_limited);
+  if (report.not_finite) raise(Fault::not_finite);
+}
+
+void CouplingLoop::close_tick(const rt::Tick& tick, const DeviceReading& device) noexcept {
+  if (tick.skipped > 0) raise(Fault::deadline_missed);
+  const std::int64_t end_ns = rt::monotonic_ns();
+  account_.tick(tick, end_ns, wrench_.phase(), faults_);
+
+  if (recorder_ != nullptr) {
+    TickRecord record;
+    record.tick = tick.index;
+    record.t_mono_ns = tick.woke_ns;
+    record.pose_seq = seq_;
+    record.reply_seq = reply_.pose_seq;
+    record.wrench_age_ticks = wrench_.age_ticks();
+    record.faults = faults_;
+    record.contact_count = reply_.contact_count;
+    record.X_WH = device.X_WH;
+    record.X_WT = tool_.tool().X_W;
+    record.F_contact_W = contact_.F_W;
+    record.F_sent_W = F_sent_W_;
+    record.X_sent = sent_.X_W;
+    record.max_depth_m = reply_.max_depth_m;
+    record.tick_ns = end_ns - tick.woke_ns;
+    recorder_->push(record);
+  }
+
+  if (--status_in_ == 0) {
+    status_in_ = status_every_;
+    publish_status();
+  }
+  progress_.fetch_add(1, std::memory_order_relaxed);
+}
+
+void CouplingLoop::publish_status() noexcept {
+  LoopStatus& status = account_.status();
+  status.X_WH = good_.X_WH;
+  status.V_WH = good_.V_WH;
+  status.X_WT = tool_.tool().X_W;
+  status.V_WT = tool_.tool().V_W;
+  status.X_WM = status.X_WT * config_.X_TM;
+  status.F_contact_W = contact_.F_W;
+  status.F_coupling_W = tool_.F_coupling_W();
+  status.F_hand_W = good_.F_hand_W;
+  status.contact_count = calm() ? 0 : reply_.contact_count;
+  status.script_time_s = good_.script_time_s;
+  status.script_done = good_.script_done;
+  status.engaged = good_.engaged && ramped_ && strength_.strength() >= 1;
+  status.capped = motion_cut_ || tool_.saturated();
+  status.parameters_version = strength_.parameters_version();
+  mail_.status.write(status);
+  account_.published();
+}
+
+}  // namespace tact::coupling
