@@ -1,0 +1,52 @@
+#include "contact/stiffness/law.hpp"
+
+#include <array>
+#include <string>
+
+#include "contact/stiffness/adaptive.hpp"
+#include "contact/stiffness/potential.hpp"
+#include "contact/stiffness/uniform.hpp"
+#include "fault/fault.hpp"
+
+namespace tact::contact {
+namespace {
+
+constexpr std::array<std::string_view, 5> kNames = {"none", "global", "adaptive-3dof", "adaptive-6dof", "potential"};
+
+void require(bool ok, const char* key, double found, const char* expected) {
+  if (ok) return;
+  std::string value = std::to_string(found);
+  throw SetupError(std::string("contact.") + key + ": found " + value + ", expected " + expected);
+}
+
+}  // namespace
+
+void Law::include_weight_derivative(Mat6&, Mat6&) const noexcept {}
+
+std::span<const std::string_view> law_names() noexcept { return kNames; }
+
+std::unique_ptr<Law> make_law(std::string_view name, const LawParams& params, const Pointshell& shell,
+                              std::size_t capacity) {
+  if (name == "none") return std::make_unique<NoScaling>();
+  if (name == "global") {
+    require(params.n0 >= 1, "n0", params.n0, "1 or more");
+    return std::make_unique<GlobalScaling>(params.n0);
+  }
+  if (name == "adaptive-3dof" || name == "adaptive-6dof") {
+    require(params.epsilon >= 1e-4 && params.epsilon <= 2, "epsilon", params.epsilon, "1e-4 to 2");
+    require(params.lever_floor_m > 0, "lever_floor_m", params.lever_floor_m, "more than 0");
+    if (name == "adaptive-3dof") return std::make_unique<Adaptive3Dof>(shell, params.epsilon);
+    return std::make_unique<Adaptive6Dof>(shell, params.epsilon, params.lever_floor_m);
+  }
+  if (name == "potential") {
+    require(params.p >= 2 && params.p <= 64, "p", params.p, "2 to 64");
+    require(params.q >= 1 && params.q <= 64, "q", params.q, "1 to 64");
+    require(params.directions >= 32 && params.directions <= 4096, "directions", params.directions, "32 to 4096");
+    return std::make_unique<Potential>(shell, params.p, params.q, params.directions, capacity);
+  }
+  std::string known;
+  for (std::string_view n : kNames) known += (known.empty() ? "" : ", ") + std::string(n);
+  throw SetupError("contact.law: found \"" + std::string(name) + "\", expected one of " + known);
+}
+
+}  // namespace tact::contact

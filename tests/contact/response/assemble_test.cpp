@@ -1,0 +1,180 @@
+#include "contact/response/assemble.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <functional>
+
+#include "contact/contact_set.hpp"
+#include "math/exp_log.hpp"
+
+namespace tact::contact {
+namespace {
+
+using test::ContactSet;
+
+/// An analytic field: value and gradient at a point of O.
+struct Field {
+  std::function<double(const Vec3&)> value;
+  std::function<Vec3(const Vec3&)> gradient;
+};
+
+Field half_space() {
+  return {[](const Vec3& p) { return p.z(); }, [](const Vec3&) { return Vec3(Vec3::UnitZ()); }};
+}
+Field sphere(double radius) {
+  return {[=](const Vec3& p) { return p.norm() - radius; }, [](const Vec3& p) { return Vec3(p.normalized()); }};
+}
+
+/// The contacts of a fixed set of points at a pose: no point joins or leaves, so the wrench is differentiable.
+ContactBuffer contacts_at(const ContactSet& points, const Field& field, const Pose& X_OT) {
+  ContactBuffer b(points.size());
+  b.size = points.size();
+  for (std::size_t i = 0; i < b.size; ++i) {
+    const Vec3 p_O = X_OT * points.r[i];
+    b.point_id[i] = static_cast<std::uint32_t>(i);
+    b.r[i] = X_OT.q * points.r[i];
+    b.N[i] = X_OT.q * points.N[i];
+    b.g[i] = field.gradient(p_O);
+    b.depth_m[i] = -field.value(p_O);
+  }
+  return b;
+}
+
+Response respond(Law& law, ContactBuffer b, double k, double damping = 0, const Twist& V = {}) {
+  law.weigh(b);
+  return assemble(b, law, k, damping, V);
+}
+
+/// Points just under the surface of the field, normals near its gradient but not equal to it.
+ContactSet points_in(const Field& field, std::mt19937& rng, int n, double extent) {
+  ContactSet set;
+  while (set.size() < static_cast<std::size_t>(n)) {
+    const Vec3 p(test::uniform(rng, -extent, extent), test::uniform(rng, -extent, extent),
+                 test::uniform(rng, -extent, extent));
+    const double depth = -field.value(p);
+    if (depth > 2e-4 && depth < 3e-3) set.add(p, field.gradient(p) + 0.3 * test::random_unit(rng), depth);
+  }
+  return set;
+}
+
+TEST(Assemble, APointInAPlaneIsPushedOutAsByASpring) {
+  ContactSet set;
+  set.add(Vec3(0.1, 0, 0), Vec3::UnitZ(), 2e-3);
+  const auto law = make_law("none", {}, set.shell(), 1);
+  const Response a = respond(*law, set.buffer(), 1000);
+  EXPECT_NEAR(a.F.force.z(), 2.0, 1e-6);
+  EXPECT_NEAR(a.F.torque.y(), -0.2, 1e-6);   // (0.1, 0, 0) x (0, 0, 2)
+  EXPECT_NEAR(a.K(2, 2), 1000, 1e-6);
+  EXPECT_NEAR(a.G(2, 2), -1000, 1e-6);
+  EXPECT_EQ(a.B.norm(), 0);
+}
+
+/// G against central differences of the wrench, for every law, with the contact set frozen.
+TEST(Assemble, GIsTheDerivativeOfTheWrenchForEveryLaw) {
+  std::mt19937 rng(21);
+  for (const Field& field : {half_space(), sphere(0.05)}) {
+    const ContactSet points = points_in(field, rng, 60, 0.05);
+    const Pose X_OT;
+    LawParams params;
+    params.epsilon = 0.2;   // so that the adaptive laws have something to weigh
+    for (const std::string_view name : law_names()) {
+      const auto law = make_law(name, params, points.shell(), points.size());
+      const double k = 2e4;
+      const Mat6 G = respond(*law, contacts_at(points, field, X_OT), k).G;
+      Mat6 numeric;
+      for (int c = 0; c < 6; ++c) {
+        const double step = c < 3 ? 1e-7 : 1e-6;
+        const Vec6 dx = step * Vec6::Unit(c);
+        const Vec6 plus = respond(*law, contacts_at(points, field, displaced(X_OT, dx)), k).F.vector();
+        const Vec6 minus = respond(*law, contacts_at(points, field, displaced(X_OT, -dx)), k).F.vector();
+        numeric.col(c) = (plus - minus) / (2 * step);
+      }
+      EXPECT_LT((G - numeric).norm(), 1e-5 * G.norm()) << name << "\n" << G << "\n\n" << numeric;
+      EXPECT_LT((G.bottomRows<3>() - numeric.bottomRows<3>()).norm(), 1e-4 * G.bottomRows<3>().norm()) << name;
+    }
+  }
+}
+
+TEST(Assemble, KIsSymmetricAndPositiveSemidefiniteForEveryLaw) {
+  std::mt19937 rng(22);
+  for (int trial = 0; trial < 30; ++trial) {
+    const ContactSet set = test::random_contacts(rng, 1 + 7 * trial, trial % 9, 0.05);
+    for (const std::string_view name : law_names()) {
+      const auto law = make_law(name, {}, set.shell(), set.size());
+      const Mat6 K = respond(*law, set.buffer(), 1000).K;
+      EXPECT_EQ((K - K.transpose()).norm(), 0) << name;
+      EXPECT_GT(Eigen::SelfAdjointEigenSolver<Mat6>(K).eigenvalues().minCoeff(), -1e-11 * K.norm()) << name;
+    }
+  }
+}
+
+TEST(Assemble, PotentialIsAtLeastKStiffAlongTheNormalOfParallelContacts) {
+  std::mt19937 rng(23);
+  for (int trial = 0; trial < 30; ++trial) {
+    ContactSet set = test::flat_face(6, 6, 0.1, 0);
+    for (auto& d : set.depth_m) d = std::pow(10, test::uniform(rng, -6, -3));
+    const auto law = make_law("potential", {}, set.shell(), set.size());
+    EXPECT_GE(respond(*law, set.buffer(), 1000).K(2, 2), 1000 * (1 - 1e-9));
+  }
+}
+
+TEST(Assemble, DampingOpposesTheMotionAndBIsItsMatrix) {
+  std::mt19937 rng(24);
+  const ContactSet set = test::random_contacts(rng, 50);
+  const auto law = make_law("potential", {}, set.shell(), set.size());
+  const Twist V = Twist::from(1e-3 * Vec6::Random());
+  const Twist slow = Twist::from(1e-3 * V.vector());
+  EXPECT_EQ(respond(*law, set.buffer(), 1000, 1e-3, slow).status & bit(Status::capped), 0u);
+  for (const double damping : {1.0, 1e3, 1e6}) {
+    const Response still = respond(*law, set.buffer(), 1000, 0, V);
+    const Response moving = respond(*law, set.buffer(), 1000, damping, V);
+    const Vec6 damped = moving.F.vector() - still.F.vector();
+    EXPECT_LT((damped + moving.B * V.vector()).norm(), 1e-9 * still.F.vector().norm());
+    EXPECT_LE(damped.dot(V.vector()), 0);
+    EXPECT_EQ((moving.B - moving.B.transpose()).norm(), 0);
+    EXPECT_GT(Eigen::SelfAdjointEigenSolver<Mat6>(moving.B).eigenvalues().minCoeff(), -1e-11 * moving.B.norm());
+    EXPECT_EQ((moving.status & bit(Status::capped)) != 0, damping >= 1e3);
+  }
+}
+
+TEST(Assemble, DampingNeverPullsHoweverFastTheToolLeavesOrArrives) {
+  for (const double speed : {-100.0, -1.0, -1e-3, 1e-3, 1.0, 100.0}) {
+    ContactSet set;
+    set.add(Vec3::Zero(), Vec3::UnitZ(), 1e-3);
+    const auto law = make_law("none", {}, set.shell(), 1);
+    const Response a = respond(*law, set.buffer(), 1000, 10, {Vec3(0, 0, speed), Vec3::Zero()});
+    EXPECT_GE(a.F.force.z(), 0);
+    EXPECT_LE(a.F.force.z(), 2.0 + 1e-12);
+  }
+}
+
+TEST(Assemble, TurningTheResponseIsTurningTheContacts) {
+  std::mt19937 rng(25);
+  const ContactSet set = test::random_contacts(rng, 30);
+  const Quat q = exp_so3(Vec3(0.3, -1.2, 2.0));
+  const auto law = make_law("adaptive-6dof", {}, set.shell(), set.size());
+  ContactBuffer turned = set.buffer();
+  for (std::size_t i = 0; i < turned.size; ++i) {
+    for (auto* v : {&turned.r[i], &turned.N[i], &turned.g[i]}) *v = q * *v;
+  }
+  const Twist V{Vec3(0.01, 0.02, -0.01), Vec3(0.1, 0, 0.2)};
+  const Response a = rotated(respond(*law, set.buffer(), 1000, 1, V), q.toRotationMatrix());
+  const Response b = respond(*law, turned, 1000, 1, {q * V.linear, q * V.angular});
+  EXPECT_LT((a.F.vector() - b.F.vector()).norm(), 1e-9);
+  EXPECT_LT((a.G - b.G).norm(), 1e-9 * b.G.norm());
+  EXPECT_LT((a.K - b.K).norm(), 1e-9 * b.K.norm());
+  EXPECT_LT((a.B - b.B).norm(), 1e-9 * b.B.norm());
+}
+
+TEST(Assemble, NoContactsMeanNoWrench) {
+  const ContactSet set = test::flat_face(2, 2, 0.1, 1e-3);
+  for (const std::string_view name : law_names()) {
+    const auto law = make_law(name, {}, set.shell(), 4);
+    const Response a = respond(*law, ContactBuffer(4), 1000, 1);
+    EXPECT_EQ(a.F.vector().norm() + a.G.norm() + a.K.norm() + a.B.norm(), 0) << name;
+  }
+}
+
+}  // namespace
+}  // namespace tact::contact

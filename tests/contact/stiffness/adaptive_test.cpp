@@ -1,0 +1,117 @@
+#include "contact/stiffness/adaptive.hpp"
+
+#include <gtest/gtest.h>
+
+#include "contact/contact_set.hpp"
+
+namespace tact::contact {
+namespace {
+
+using test::ContactSet;
+
+double hat(const Vec3& a, const Vec3& b, double epsilon) {
+  return std::max(1 - (a - b).squaredNorm() / (epsilon * epsilon), 0.0);
+}
+
+/// The double sums of eq. 7 and 12, as written.
+std::vector<double> brute_force(const ContactSet& set, double epsilon, double lever_floor, bool torques) {
+  std::vector<Vec3> T;
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    const Vec3 lever = set.r[i].cross(set.N[i]);
+    T.push_back(lever / std::max(lever.norm(), lever_floor));
+  }
+  std::vector<double> w;
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    double phi = 0;
+    for (std::size_t j = 0; j < set.size(); ++j) {
+      phi += hat(set.N[i], set.N[j], epsilon) + (torques ? hat(T[i], T[j], epsilon) : 0);
+    }
+    w.push_back((torques ? 2 : 1) / phi);
+  }
+  return w;
+}
+
+void expect_equal_to_brute_force(const ContactSet& set, double epsilon) {
+  const Pointshell shell = set.shell();
+  ContactBuffer b = set.buffer();
+  Adaptive3Dof three(shell, epsilon);
+  Adaptive6Dof six(shell, epsilon, 1e-3);
+  for (int again = 0; again < 2; ++again) {   // nothing of one query leaks into the next
+    three.weigh(b);
+    const auto w3 = brute_force(set, epsilon, 1e-3, false);
+    for (std::size_t i = 0; i < set.size(); ++i) ASSERT_NEAR(b.weight[i], w3[i], 1e-12 + 1e-10 * w3[i]) << i;
+    six.weigh(b);
+    const auto w6 = brute_force(set, epsilon, 1e-3, true);
+    for (std::size_t i = 0; i < set.size(); ++i) ASSERT_NEAR(b.weight[i], w6[i], 1e-12 + 1e-10 * w6[i]) << i;
+  }
+}
+
+TEST(Adaptive, EqualsTheDoubleSumForScatteredNormals) {
+  std::mt19937 rng(3);
+  for (const double epsilon : {1e-4, 0.01, 0.3, 2.0}) expect_equal_to_brute_force(test::random_contacts(rng, 400), epsilon);
+}
+
+TEST(Adaptive, EqualsTheDoubleSumForClustersOfEverySpread) {
+  std::mt19937 rng(4);
+  for (const double spread : {0.0, 1e-9, 1e-4, 3e-3, 0.01, 0.05}) {
+    expect_equal_to_brute_force(test::random_contacts(rng, 400, 5, spread), 0.01);
+  }
+}
+
+TEST(Adaptive, EqualsTheDoubleSumOnAFlatFaceAndWithZeroTorque) {
+  ContactSet set = test::flat_face(20, 20, 0.1, 1e-4);
+  set.add(Vec3::Zero(), Vec3::UnitZ(), 1e-4);
+  set.add(Vec3(0, 0, 0.02), Vec3::UnitZ(), 1e-4);
+  set.add(Vec3(0, 0, -0.02), Vec3::UnitZ(), 1e-4);
+  expect_equal_to_brute_force(set, 0.01);
+}
+
+TEST(Adaptive, ASubsetOfTheShellIsWeighedAsIfItWereTheShell) {
+  std::mt19937 rng(5);
+  const ContactSet all = test::random_contacts(rng, 500, 4, 0.004);
+  Adaptive6Dof law(all.shell(), 0.01, 1e-3);
+  for (int trial = 0; trial < 5; ++trial) {
+    ContactSet part;
+    ContactBuffer b(all.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (test::uniform(rng, 0, 1) < 0.8) continue;
+      b.point_id[b.size++] = static_cast<std::uint32_t>(i);
+      part.add(all.r[i], all.N[i], all.depth_m[i]);
+    }
+    law.weigh(b);
+    const auto expected = brute_force(part, 0.01, 1e-3, true);
+    for (std::size_t i = 0; i < b.size; ++i) EXPECT_NEAR(b.weight[i], expected[i], 1e-10);
+  }
+}
+
+TEST(Adaptive, TorqueDirectionsFadeOutContinuouslyAsTheLeverVanishes) {
+  // Two contacts of equal normal whose levers shrink through zero in opposite directions: no jump anywhere.
+  double before = -1;
+  for (double lever = 4e-5; lever >= 0; lever -= 2e-7) {
+    ContactSet set;
+    set.add(Vec3(lever, 0, 0), Vec3::UnitZ(), 1e-4);
+    set.add(Vec3(-lever, 0, 0), Vec3::UnitZ(), 1e-4);
+    Adaptive6Dof law(set.shell(), 0.01, 1e-3);
+    ContactBuffer b = set.buffer();
+    law.weigh(b);
+    EXPECT_GE(b.weight[0], 0.5 - 1e-12);
+    EXPECT_LE(b.weight[0], 2.0 / 3 + 1e-12);
+    if (before >= 0) {
+      EXPECT_NEAR(b.weight[0], before, 0.02);
+    }
+    before = b.weight[0];
+  }
+  EXPECT_NEAR(before, 0.5, 1e-3);   // no torque at all: alike in both maps
+}
+
+TEST(Adaptive, TenThousandEqualNormalsShareOneStiffness) {
+  ContactSet set;
+  for (int i = 0; i < 10000; ++i) set.add(Vec3(1e-5 * i, 0.01, 0), Vec3(0.6, 0, 0.8), 1e-4);
+  Adaptive3Dof law(set.shell(), 0.01);
+  ContactBuffer b = set.buffer();
+  law.weigh(b);
+  for (std::size_t i = 0; i < b.size; ++i) ASSERT_NEAR(b.weight[i], 1e-4, 1e-12);
+}
+
+}  // namespace
+}  // namespace tact::contact
