@@ -8,6 +8,7 @@ namespace tact::cli {
 /// The subcommands of `tact`. Each returns the exit code; each throws SetupError for what a user can mend.
 int run(const RunOptions& options);
 int scenes(bool json);
+int status(bool json);
 int doctor(bool json);
 
 }  // namespace tact::cli

@@ -39,7 +39,7 @@ struct Finding {
 };
 
 constexpr const char* kRtSetup =
-    "run deploy/rt_setup.sh (installed: share/tact/rt_setup.sh) as root and log in again, or run as root";
+    "run deploy/realtime/rt_setup.sh (installed: share/tact/realtime) as root and log in again, or run as root";
 
 std::string first_line(const std::filesystem::path& path) {
   std::ifstream in(path);

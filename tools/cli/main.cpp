@@ -89,6 +89,7 @@ int run_tact(int argc, char** argv) {
   CLI::App app{"Tact: distributed 6-DoF haptic rendering", "tact"};
   app.require_subcommand(1);
   app.get_formatter()->column_width(28);
+  app.footer("Examples:\n  tact scenes\n  tact run alpha --script solve\n  tact doctor");
   int code = 0;
   bool json = false;
 
@@ -103,6 +104,11 @@ int run_tact(int argc, char** argv) {
   scenes->add_flag("--json", json, "As JSON");
   scenes->footer("Example:\n  tact scenes --json");
   scenes->callback([&] { code = tact::cli::scenes(json); });
+
+  auto* status = app.add_subcommand("status", "Show the sessions that run, and how their services are");
+  status->add_flag("--json", json, "As JSON");
+  status->footer("Example:\n  tact status");
+  status->callback([&] { code = tact::cli::status(json); });
 
   auto* doctor = app.add_subcommand("doctor", "Look at this machine: what is missing, and what to do");
   doctor->add_flag("--json", json, "As JSON");

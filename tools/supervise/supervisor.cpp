@@ -185,7 +185,8 @@ void Supervisor::watch_shared_memory() {
     const bool was_lost = roudi_watch_.lost();
     const bool in_contact = monitor_->device() && monitor_->device()->contact_count > 0;
     const bool restart = roudi_watch_.restart_now(now, roudi_->is_alive(), in_contact);
-    if (!was_lost && roudi_watch_.lost()) note("roudi_lost", "degraded: shared memory goes on, its daemon is gone");
+    if (!was_lost && roudi_watch_.lost())
+      note(fault_names(bit(Fault::transport_degraded)), "RouDi is gone; the haptic pair goes on without it for now");
     if (restart) return restart_shared_memory("RouDi was gone");
   }
   if (fresh_watch_.stuck(now, up(service("contact")) && up(service("coupling")), fresh())) {
