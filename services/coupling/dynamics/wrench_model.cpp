@@ -34,7 +34,8 @@ ContactLoad WrenchModel::at(const Pose& X_WT) noexcept {
 }
 
 WrenchModel::Phase WrenchModel::phase() const noexcept {
-  if (!any_ || age_ >= params_.fade_ticks) return Phase::stale;
+  if (!any_) return Phase::waiting;
+  if (age_ >= params_.fade_ticks) return Phase::stale;
   if (age_ == 0) return Phase::fresh;
   return age_ <= params_.extrapolate_ticks ? Phase::late : Phase::fading;
 }

@@ -20,14 +20,14 @@ struct ContactLinearisation {
 ///   .. fade_ticks               the last extrapolated wrench, scaled down linearly; strength() with it
 ///   beyond                      zero: stale, the device is calm
 ///
-/// Until the first reply it is stale. Real time: no allocation, a few hundred nanoseconds.
+/// Until the first reply it is as if stale, without being a fault. Real time: no allocation, a few hundred nanoseconds.
 class WrenchModel {
  public:
   struct Params {
     std::uint32_t extrapolate_ticks = 5;
     std::uint32_t fade_ticks = 20;
   };
-  enum class Phase { fresh, late, fading, stale };
+  enum class Phase { waiting, fresh, late, fading, stale };
 
   WrenchModel() = default;
   explicit WrenchModel(const Params& params) : params_(params) {}

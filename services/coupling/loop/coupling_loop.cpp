@@ -127,6 +127,7 @@ void CouplingLoop::take_reply() noexcept {
   if (reply_.status & kReplyPastMidSurface) raise(Fault::past_mid_surface);
   if (reply_.status & kReplyBeyondBand) raise(Fault::beyond_band);
   switch (wrench_.phase()) {
+    case WrenchModel::Phase::waiting:
     case WrenchModel::Phase::fresh:
       break;
     case WrenchModel::Phase::late:

@@ -46,7 +46,10 @@ class CouplingLoop {
   /// From another thread: calm from the next tick on, for good. Give it a moment before the loop is stopped.
   void rest() noexcept { resting_.store(true, std::memory_order_relaxed); }
   /// After the last step, from the thread that ended the loop: writes the last status.
-  void finish() noexcept { publish_status(); }
+  const LoopStats& finish() noexcept {
+    publish_status();
+    return account_.status().stats;
+  }
 
   /// Counts executed ticks: for the watchdog.
   const std::atomic<std::uint64_t>& progress() const noexcept { return progress_; }

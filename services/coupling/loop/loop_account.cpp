@@ -72,6 +72,8 @@ void LoopAccount::tick(const rt::Tick& tick, std::int64_t end_ns, WrenchModel::P
   stats.missed_ticks += tick.skipped;
   stats.duration_s = static_cast<double>(end_ns - first_ns_) * 1e-9;
   switch (phase) {
+    case WrenchModel::Phase::waiting:
+      break;
     case WrenchModel::Phase::fresh:
       ++stats.wrench_fresh;
       break;

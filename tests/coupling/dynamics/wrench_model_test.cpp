@@ -15,10 +15,10 @@ ContactLinearisation push() {
 
 Pose moved(double z) { return {{0, 0, z}, Quat::Identity()}; }
 
-TEST(WrenchModel, IsStaleUntilTheFirstReply) {
+TEST(WrenchModel, WaitsWithoutForceForTheFirstReply) {
   WrenchModel model;
   model.begin_tick(nullptr);
-  EXPECT_EQ(model.phase(), WrenchModel::Phase::stale);
+  EXPECT_EQ(model.phase(), WrenchModel::Phase::waiting);
   EXPECT_EQ(model.strength(), 0);
   EXPECT_EQ(model.at(Pose{}).F_W.force.norm(), 0);
 }
