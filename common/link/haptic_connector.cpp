@@ -1,6 +1,5 @@
 #include "link/haptic_connector.hpp"
 
-#include <chrono>
 #include <future>
 #include <thread>
 #include <type_traits>
@@ -9,6 +8,8 @@
 
 namespace tact {
 namespace {
+
+constexpr std::chrono::milliseconds kSurelyAlive{300};
 
 template <class Ends>
 constexpr bool kIsCoupling = std::is_same_v<Ends, CouplingEnds>;
@@ -26,16 +27,18 @@ std::string loading(const wire::Health& peer) {
 template <class Ends>
 std::shared_ptr<Ends> HapticConnector<Ends>::poll() {
   monitor_.poll(20'000'000);
-  const auto peer = monitor_.alive(kPeerService<Ends>);
   const std::string name = kPeerService<Ends>;
+  // Also the last words of a peer that refused us first.
+  if (const auto heard = monitor_.latest(name); heard && heard->transport != transport_ &&
+                                                monitor_.silence(name) < std::chrono::seconds{1}) {
+    throw SetupError("transport: found \"" + transport_ + "\" here and \"" + heard->transport + "\" in tact-" + name +
+                     "; start both from one session file");
+  }
+  const auto peer = monitor_.alive(name);
   peer_ready_ = peer && peer->phase >= wire::kConnecting;
   if (!peer_ready_) {
     state_ = "waiting for tact-" + name + (peer ? " (" + loading(*peer) + ")" : "");
     return nullptr;
-  }
-  if (peer->transport != transport_) {
-    throw SetupError("transport: found \"" + transport_ + "\" here and \"" + peer->transport + "\" in tact-" + name +
-                     "; start both from one session file");
   }
   if (ends_ && peer_epoch_ != peer->epoch) drop();
   if (!ends_) {
@@ -59,18 +62,18 @@ std::shared_ptr<Ends> HapticConnector<Ends>::poll() {
 }
 
 template <class Ends>
-bool HapticConnector<Ends>::peer_alive() {
+bool HapticConnector<Ends>::peer_alive(std::chrono::milliseconds silence) {
   monitor_.poll();
   const auto peer = monitor_.alive(kPeerService<Ends>);
-  return ends_ && peer && peer->epoch == peer_epoch_;
+  return ends_ && peer && peer->epoch == peer_epoch_ && monitor_.silence(kPeerService<Ends>) < silence;
 }
 
 template <class Ends>
-void HapticConnector<Ends>::drop() {
+void HapticConnector<Ends>::drop(bool hung) {
   if (!ends_) return;
   const auto last = monitor_.latest(kPeerService<Ends>);
-  const bool orderly = peer_alive() || (last && last->epoch == peer_epoch_ && last->phase == wire::kStopping);
-  if (!orderly) ends_->abandon();
+  const bool orderly = peer_alive(kSurelyAlive) || (last && last->epoch == peer_epoch_ && last->phase == wire::kStopping);
+  if (hung || !orderly) ends_->abandon();
   ends_.reset();
   peer_epoch_ = 0;
   publish();

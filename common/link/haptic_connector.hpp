@@ -1,4 +1,5 @@
 #pragma once
+#include <chrono>
 #include <memory>
 #include <string>
 
@@ -30,12 +31,14 @@ class HapticConnector {
   /// shared memory was asked for and an endpoint of either side cannot use it.
   std::shared_ptr<Ends> poll();
 
-  /// The peer of the last connection still lives, as the same incarnation.
-  bool peer_alive();
+  /// The peer of the last connection was heard less than `silence` ago, as the same incarnation. A second means dead;
+  /// 300 ms leave no doubt that it lives.
+  bool peer_alive(std::chrono::milliseconds silence = std::chrono::seconds{1});
 
-  /// Forgets the connection. With a living peer the endpoints are destroyed; those of a dead one are abandoned, for
-  /// their destruction may hang. The caller's copies may live on, unused.
-  void drop();
+  /// Forgets the connection. With a peer that surely lives, or that stopped in order, the endpoints are destroyed;
+  /// otherwise, and when a thread `hung` in them, they are abandoned: their destruction may hang after a crash. The
+  /// caller's copies may live on, unused.
+  void drop(bool hung = false);
 
   /// What is waited for, one sentence: "waiting for the contact server (loading, 40 %)".
   const std::string& state() const { return state_; }

@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <chrono>
 
 namespace tact {
 namespace {
@@ -54,9 +53,17 @@ void HealthReporter::phase(wire::Phase phase, const std::string& detail, double 
   });
 }
 
+void HealthReporter::set_faults(std::uint32_t mask, std::uint32_t bits) noexcept {
+  std::uint32_t old = faults_.load(std::memory_order_relaxed);
+  while (!faults_.compare_exchange_weak(old, (old & ~mask) | (bits & mask), std::memory_order_relaxed)) {
+  }
+}
+
 wire::Health HealthReporter::now() const {
   const std::scoped_lock lock(mutex_);
-  return health_;
+  wire::Health health = health_;
+  health.faults = faults_.load(std::memory_order_relaxed);
+  return health;
 }
 
 void HealthReporter::publish() {
@@ -84,6 +91,11 @@ std::optional<wire::Health> HealthMonitor::alive(const std::string& service) con
   if (found == entries_.end() || found->second.health.phase == wire::kStopping) return std::nullopt;
   if (now_ns() - found->second.heard_ns > 1'000'000'000) return std::nullopt;
   return found->second.health;
+}
+
+std::chrono::nanoseconds HealthMonitor::silence(const std::string& service) const {
+  const auto found = entries_.find(service);
+  return std::chrono::nanoseconds{found == entries_.end() ? INT64_MAX : now_ns() - found->second.heard_ns};
 }
 
 }  // namespace tact

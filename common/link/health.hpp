@@ -1,5 +1,6 @@
 #pragma once
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <map>
@@ -25,8 +26,8 @@ class HealthReporter {
   /// Changes fields and publishes at once. Any thread that is not real-time; `change` must not call the reporter.
   void update(const std::function<void(wire::Health&)>& change);
   void phase(wire::Phase phase, const std::string& detail = {}, double progress = -1);
-  /// For bits set by real-time threads: published with the next message.
-  void set_faults(std::uint32_t bits) noexcept { faults_.store(bits, std::memory_order_relaxed); }
+  /// Replaces the fault bits of `mask`: each source owns its bits. Any thread; published with the next message.
+  void set_faults(std::uint32_t mask, std::uint32_t bits) noexcept;
   wire::Health now() const;
 
  private:
@@ -53,6 +54,8 @@ class HealthMonitor {
   std::optional<wire::Health> latest(const std::string& service) const;
   /// Heard less than a second ago and not stopping: ten messages lost are a dead service.
   std::optional<wire::Health> alive(const std::string& service) const;
+  /// Since its last message; very long when never heard.
+  std::chrono::nanoseconds silence(const std::string& service) const;
 
  private:
   struct Entry {

@@ -76,6 +76,11 @@ Participant::Participant(wire::Channel kind, const Session& session, const Threa
   if (kind == wire::Channel::haptic && session.machine.transport == "shm") {
     require_roudi();
     roudi_instance_ = roudi_instance();
+    // iceoryx keeps one connection a process, for ever: with a new RouDi it would abort().
+    static const std::uint64_t first_known = roudi_instance_;
+    if (roudi_instance_ != first_known) {
+      throw SetupError("RouDi: it was replaced since this process first spoke to it; restart the process");
+    }
   }
   std::string failure;
   const auto create = [&] {

@@ -8,6 +8,10 @@
 
 namespace tact {
 
+/// SCHED_FIFO priority of the haptic domain's own threads (shared-memory listener, keep-alive): above every real-time
+/// thread of ours, for a starved one stops the data.
+inline constexpr int kTransportPriority = 85;
+
 /// Where a process meets the others of its session. Two domains, both on the loopback interface only:
 ///   session  UDP: every service and tool, all low-rate topics `rt/tact/<session>/<topic>`
 ///   haptic   shared memory (or UDP when the machine file says transport = "udp"): tact-contact and tact-coupling only

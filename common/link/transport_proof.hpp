@@ -12,7 +12,9 @@ std::uint64_t udp_datagrams_sent();
 
 struct TransportProof {
   bool answered = false;       ///< every pose was
-  bool no_datagrams = false;   ///< the exchange used no network: fewer datagrams sent than a quarter of the messages
+  /// Neither direction used the network: fewer datagrams were sent, by anybody, than four fifths of the round trips. A
+  /// single direction on UDP makes as many as round trips, and acknowledgements.
+  bool no_datagrams = false;
   int round_trips = 0;
   std::uint64_t datagrams = 0; ///< sent by anybody meanwhile
   double p50_us = 0, p99_us = 0, max_us = 0;

@@ -86,4 +86,10 @@ void Thread::join() {
   handle_ = 0;
 }
 
+void Thread::detach() {
+  if (handle_ == 0) return;
+  pthread_detach(handle_);
+  handle_ = 0;
+}
+
 }  // namespace tact::rt

@@ -26,6 +26,8 @@ class Thread {
 
   /// Waits for the body to end: the body decides when.
   void join();
+  /// Leaves the thread to itself: for one that hangs in a call that will never return.
+  void detach();
 
   /// One sentence for each thing the system refused; empty when all is as asked for.
   const std::vector<std::string>& missing() const { return missing_; }

@@ -33,7 +33,10 @@ void contact(const Session& session) {
       wire::ToolPose pose;
       if (!ends->in.take_newest(pose)) continue;
       wire::ContactWrench reply{};
+      reply.session_id = pose.session_id;
       reply.server_epoch = process_epoch();
+      reply.F[0] = static_cast<double>(pose.seq);
+      reply.X_WT.orientation.w = reply.X_WO.orientation.w = 1;
       reply.pose_epoch = pose.epoch;
       reply.pose_seq = pose.seq;
       ends->out.write(reply);

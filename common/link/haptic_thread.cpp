@@ -1,0 +1,30 @@
+#include "link/haptic_thread.hpp"
+
+#include <thread>
+
+namespace tact {
+
+HapticThread::HapticThread(const rt::ThreadOptions& options, std::function<void(Control&)> body)
+    : control_(std::make_shared<Control>()), thread_(options, [control = control_, body = std::move(body)] {
+        body(*control);
+        control->done.store(true, std::memory_order_release);
+      }) {}
+
+bool HapticThread::hung() {
+  if (!hung_ && control_->guard.abandon_if_stuck(kWriteLimit)) {
+    hung_ = true;
+    thread_.detach();
+  }
+  return hung_;
+}
+
+bool HapticThread::finish() {
+  control_->stop.store(true, std::memory_order_relaxed);
+  while (!hung() && !control_->done.load(std::memory_order_acquire)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds{1});
+  }
+  if (!hung_) thread_.join();
+  return !hung_;
+}
+
+}  // namespace tact
