@@ -51,7 +51,4 @@ std::string describe(const Value& value);
 /// "expected a known key; did you mean contact.law?" or where to find all of them.
 std::string expected_for_unknown(const std::string& name, const Keys& known);
 
-/// The nearest of `candidates` by edit distance, if near enough to be a slip.
-std::optional<std::string> nearest(const std::string& word, const std::vector<std::string>& candidates);
-
 }  // namespace tact::session

@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "fault/fault.hpp"
-#include "session/key.hpp"
+#include "fault/nearest.hpp"
 #include "session/session.hpp"
 
 namespace tact {
@@ -66,7 +66,7 @@ std::filesystem::path find_scene(const std::string& name_or_path) {
   for (const auto& file : scene_files()) names.push_back(file.stem().string());
   std::string expected = "a scene file (*.toml) or one of";
   for (const auto& n : names) expected += " " + n;
-  if (const auto near = session::nearest(name_or_path, names)) expected += "; did you mean " + *near + "?";
+  if (const auto near = nearest(name_or_path, names)) expected += "; did you mean " + *near + "?";
   throw SetupError("scene: found \"" + name_or_path + "\", expected " + expected);
 }
 

@@ -1,0 +1,106 @@
+#include "shapes/shapes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "common/session/temp_folder.hpp"
+
+namespace tact {
+namespace {
+
+/// Each directed edge occurs once and its reverse once: closed and consistently oriented.
+void expect_closed(const Mesh& mesh, const std::string& name) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  for (const auto& t : mesh.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) ++edges[{t[i], t[(i + 1) % 3]}];
+  }
+  for (const auto& [edge, n] : edges) {
+    ASSERT_EQ(n, 1) << name;
+    ASSERT_EQ(edges.count({edge.second, edge.first}), 1u) << name;
+  }
+}
+
+/// By the divergence theorem; positive when oriented outward.
+double volume(const Mesh& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.triangles) {
+    const Vec3 a = mesh.vertices[t[0]].cast<double>(), b = mesh.vertices[t[1]].cast<double>(),
+               c = mesh.vertices[t[2]].cast<double>();
+    sum += a.dot(b.cross(c)) / 6;
+  }
+  return sum;
+}
+
+double polygon_area_across_flats(int n, double width) { return n * width * width / 4 * std::tan(std::numbers::pi / n); }
+
+TEST(Shape, EveryShapeIsClosedOutwardAndWithoutDegenerateTriangles) {
+  for (const auto& info : all_shapes()) {
+    const Mesh mesh = make_shape(info.name, {});
+    expect_closed(mesh, info.name);
+    EXPECT_GT(volume(mesh), 0) << info.name;
+    for (const auto& t : mesh.triangles) {
+      const Vec3 a = mesh.vertices[t[0]].cast<double>(), b = mesh.vertices[t[1]].cast<double>(),
+                 c = mesh.vertices[t[2]].cast<double>();
+      EXPECT_GT((b - a).cross(c - a).norm(), 1e-9) << info.name;
+    }
+  }
+}
+
+TEST(Shape, VolumesAreTheClosedForms) {
+  EXPECT_NEAR(volume(make_shape("box", {{"size_x_m", 0.1}, {"size_y_m", 0.2}, {"size_z_m", 0.3}})), 0.006, 1e-9);
+  const double base = 64 * 0.5 * 0.03 * 0.03 * std::sin(2 * std::numbers::pi / 64);
+  EXPECT_NEAR(volume(make_shape("cone", {})), base * 0.04 / 3, 1e-10);
+  EXPECT_NEAR(volume(make_shape("peg", {})), 0.02 * 0.02 * 0.05, 1e-10);
+  EXPECT_NEAR(volume(make_shape("peg", {{"sides_count", 64}})), polygon_area_across_flats(64, 0.02) * 0.05, 1e-10);
+  EXPECT_NEAR(volume(make_shape("socket", {})), 0.05 * 0.05 * 0.04 - 0.021 * 0.021 * 0.03, 1e-10);
+  EXPECT_NEAR(volume(make_shape("socket", {{"sides_count", 64}})),
+              polygon_area_across_flats(64, 0.05) * 0.04 - polygon_area_across_flats(64, 0.021) * 0.03, 1e-10);
+  EXPECT_NEAR(volume(make_shape("gap", {})), 0.1 * 0.01 * (0.16 + 0.08), 1e-10);
+  EXPECT_NEAR(volume(make_shape("two-walls", {})), 0.03 * (0.1 * 0.01 + 0.007 * 0.002), 1e-10);
+}
+
+TEST(Shape, SquarePegAndSocketAreAlignedWithTheAxes) {
+  for (const auto& v : make_shape("peg", {}).vertices) {
+    if (v.x() != 0 || v.y() != 0) {  // but for the middles of the ends
+      EXPECT_NEAR(std::abs(v.x()), 0.01, 1e-8);
+      EXPECT_NEAR(std::abs(v.y()), 0.01, 1e-8);
+    }
+  }
+}
+
+TEST(Shape, WrongNamesAndValuesAreOneErrorEach) {
+  EXPECT_EQ(setup_error([] { make_shape("boxx", {}); }).find("shape: found \"boxx\", expected one of "), 0u);
+  EXPECT_NE(setup_error([] { make_shape("boxx", {}); }).find("did you mean box?"), std::string::npos);
+  EXPECT_EQ(setup_error([] {
+              make_shape("box", {{"size_w_m", 1}});
+            }),
+            "shape box: size_w_m: found this unknown parameter, expected one of size_x_m size_y_m size_z_m; "
+            "did you mean size_x_m?");
+  EXPECT_EQ(setup_error([] {
+              make_shape("box", {{"size_x_m", -1}});
+            }),
+            "shape box: size_x_m: found -1, expected a number from 1e-06 to 1000 (length along x)");
+  EXPECT_EQ(setup_error([] {
+              check_shape("box", {{"size_x_m", std::nan("")}});
+            }),
+            "shape box: size_x_m: found nan, expected a number from 1e-06 to 1000 (length along x)");
+  EXPECT_EQ(setup_error([] {
+              make_shape("cone", {{"sides_count", 7.5}});
+            }),
+            "shape cone: sides_count: found 7.5, expected a whole number from 3 to 4096 (sides of the base polygon)");
+  EXPECT_EQ(setup_error([] {
+              make_shape("socket", {{"hole_width_m", 0.05}});
+            }),
+            "shape socket: block_width_m: found 0.05, expected more than hole_width_m");
+  EXPECT_EQ(setup_error([] {
+              make_shape("two-walls", {{"span_m", 0.001}});
+            }),
+            "shape two-walls: span_m: found 0.001, expected walls that do not touch");
+}
+
+}  // namespace
+}  // namespace tact

@@ -1,0 +1,60 @@
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "scenes/stored_motions.hpp"
+#include "session/session.hpp"
+#include "shapes/shapes.hpp"
+
+namespace tact {
+namespace {
+
+double apart(const Pose& a, const Pose& b) { return (a.p - b.p).norm() + a.q.angularDistance(b.q); }
+
+TEST(Scenes, AllThatComeWithTheProgramLoadAndTheirShapesAndMotionsExist) {
+  std::set<std::string> names;
+  for (const auto& file : scene_files()) {
+    const SceneSpec scene = load_scene(file);
+    names.insert(scene.name);
+    EXPECT_FALSE(scene.title.empty()) << file;
+    for (const BodySpec* body : {&scene.obstacle, &scene.tool}) {
+      if (!body->shape.empty()) check_shape(body->shape, body->shape_params);
+    }
+    EXPECT_FALSE(scene.scripts.empty()) << file;
+    for (const auto& [name, script] : scene.scripts) {
+      const HandMotion motion = load_hand_motion(script.hand_csv);
+      EXPECT_FALSE(script.description.empty()) << file << name;
+      EXPECT_LT(apart(motion.X_WM.front(), scene.start_X_WM), 3e-6) << file << name;
+      if (scene.goal_X_WM) {
+        EXPECT_LT(apart(motion.X_WM.back(), *scene.goal_X_WM), 3e-6) << file << name;
+      }
+    }
+  }
+  EXPECT_EQ(names, (std::set<std::string>{"alpha", "cone", "peg", "peg-round", "two-walls"}));
+}
+
+TEST(Scenes, StoredMotionsAreWhatTheGeneratorMakes) {
+  for (const auto& [name, made] : scenes::stored_motions()) {
+    const HandMotion stored = load_hand_motion(std::filesystem::path(TACT_SCENES_DIR) / name);
+    ASSERT_EQ(stored.time_s.size(), made.time_s.size()) << name;
+    for (std::size_t i = 0; i < made.time_s.size(); ++i) {
+      ASSERT_NEAR(stored.time_s[i], made.time_s[i], 1e-9) << name << " row " << i;
+      ASSERT_LT(apart(stored.X_WM[i], made.X_WM[i]), 3e-6) << name << " row " << i;
+    }
+  }
+}
+
+TEST(Scenes, ScriptsStartAndEndAtRestAndStayWithinAHandsSpeed) {
+  for (const auto& [name, motion] : scenes::stored_motions()) {
+    for (std::size_t i = 1; i < motion.time_s.size(); ++i) {
+      const double dt = motion.time_s[i] - motion.time_s[i - 1];
+      EXPECT_LT((motion.X_WM[i].p - motion.X_WM[i - 1].p).norm() / dt, 0.065) << name;
+      EXPECT_LT(motion.X_WM[i].q.angularDistance(motion.X_WM[i - 1].q) / dt, 1.0) << name;
+    }
+    EXPECT_LT(apart(motion.X_WM[0], motion.X_WM[1]), 1e-9) << name;
+    EXPECT_LT(apart(motion.X_WM.end()[-1], motion.X_WM.end()[-2]), 1e-9) << name;
+  }
+}
+
+}  // namespace
+}  // namespace tact
