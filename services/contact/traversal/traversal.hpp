@@ -1,0 +1,63 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "contact/model/contact.hpp"
+#include "contact/model/pointshell.hpp"
+#include "field/distance_field.hpp"
+
+namespace tact::contact {
+
+/// What one traversal found besides the contacts.
+struct Findings {
+  double max_depth_m = 0;       ///< deepest shell point; also of dropped ones
+  double clearance_m = 0;       ///< no shell point is nearer the zero of the field than this; 0 in contact
+  std::uint32_t status = 0;     ///< Status bits
+  std::size_t nodes_visited = 0;
+};
+
+/// True when all numbers are finite and the quaternion is a rotation (norm 1 within 1e-3).
+bool is_rigid(const Pose& X) noexcept;
+
+/// Finds the shell points inside the field: breadth-first over all levels, always completed. A subtree is skipped only
+/// when the field promises that no sample in its sphere is negative (DistanceField::probe), so the contacts are
+/// exactly those of brute force over all points: { i : sample(X_OT p_i).value_m < 0 }, in ascending order of id.
+///
+/// All scratch is allocated here; find() does not allocate, lock or throw. Cost: one block look-up for each node
+/// visited, some tens of ns.
+class Traversal {
+ public:
+  /// @pre field not empty
+  Traversal(DistanceField field, std::shared_ptr<const Pointshell> shell);
+
+  /// Fills `contacts` (O: the field's frame) except the weights. Beyond its capacity the deepest are kept, equal depths
+  /// by lower id; `dropped` counts the others, Status::overflow is set. A contact deeper than the stored band has
+  /// depth = band, g = 0 and Status::beyond_band. Status::past_mid_surface marks g.N < -|g|/2: the field pushes this
+  /// point out against its own normal, so the force along N pulls it in deeper. A pose that is not rigid yields no
+  /// contacts, clearance 0 and Status::pose_invalid. @pre the same shell as ever
+  Findings find(const Pose& X_OT, ContactBuffer& contacts) noexcept;
+
+  const DistanceField& field() const { return field_; }
+  const Pointshell& shell() const { return *shell_; }
+
+ private:
+  struct Candidate {
+    double depth_m;
+    std::uint32_t id;
+  };
+  struct Range {
+    std::uint32_t begin, end;   // nodes of one level
+  };
+
+  void keep_deepest(ContactBuffer& contacts, Findings& found) noexcept;
+  void fill(const Mat3& R_OT, const Vec3& p_OT, ContactBuffer& contacts, Findings& found) noexcept;
+
+  DistanceField field_;
+  std::shared_ptr<const Pointshell> shell_;
+  std::vector<Range> level_, next_level_;
+  std::vector<Candidate> candidates_;
+  std::size_t candidate_count_ = 0;
+};
+
+}  // namespace tact::contact
