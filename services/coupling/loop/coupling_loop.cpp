@@ -225,6 +225,7 @@ void CouplingLoop::close_tick(const rt::Tick& tick, const DeviceReading& device)
 
   if (--status_in_ == 0) {
     status_in_ = status_every_;
+    account_.count_page_faults();
     publish_status();
   }
   progress_.fetch_add(1, std::memory_order_relaxed);

@@ -53,6 +53,13 @@ std::filesystem::path FlightRecorder::drain(std::uint32_t dump_on) {
   return written;
 }
 
+std::filesystem::path FlightRecorder::finish(std::uint32_t dump_on) {
+  const std::filesystem::path written = drain(dump_on);
+  if (dump_in_ == 0) return written;
+  dump_in_ = 0;
+  return dump(fault_names(dump_faults_));
+}
+
 std::filesystem::path FlightRecorder::dump(const std::string& reason) {
   --files_left_;
   const auto path = directory_ / ("flight-" + std::to_string(++files_) + ".csv");

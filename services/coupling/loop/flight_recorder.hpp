@@ -40,6 +40,9 @@ class FlightRecorder {
   /// tick before starts a dump; the file is written one second of ticks later. Returns the file written, or empty.
   std::filesystem::path drain(std::uint32_t dump_on);
 
+  /// At the end: as drain(), and writes a dump that still waits for its second of ticks.
+  std::filesystem::path finish(std::uint32_t dump_on);
+
   /// Writes what there is now, whatever the faults. Throws SetupError when the file cannot be written.
   std::filesystem::path dump(const std::string& reason);
 

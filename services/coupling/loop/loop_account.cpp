@@ -96,12 +96,14 @@ void LoopAccount::tick(const rt::Tick& tick, std::int64_t end_ns, WrenchModel::P
   status_.t_mono_ns = end_ns;
 }
 
+void LoopAccount::count_page_faults() noexcept {
+  status_.stats.page_faults = rt::thread_page_faults() - first_page_faults_;
+}
+
 void LoopAccount::published() noexcept {
   status_.max_depth_m = status_.force_max_n = 0;
   status_.tick_ns_max = 0;
   status_.faults = 0;
-  // One system call, here and not in every tick.
-  status_.stats.page_faults = rt::thread_page_faults() - first_page_faults_;
 }
 
 }  // namespace tact::coupling

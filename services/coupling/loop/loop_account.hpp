@@ -23,6 +23,8 @@ class LoopAccount {
 
   /// Where the loop fills in poses and wrenches before it is published.
   LoopStatus& status() noexcept { return status_; }
+  /// Before publishing, from the loop's thread: one system call.
+  void count_page_faults() noexcept;
   /// After publishing: forgets what counts since the previous status.
   void published() noexcept;
 

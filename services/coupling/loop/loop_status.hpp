@@ -12,7 +12,7 @@ struct LoopStats {
   double rate_hz = 0;              ///< of the grid
   std::uint64_t ticks = 0;         ///< executed
   std::uint64_t missed_ticks = 0;  ///< grid points skipped by an overrun
-  std::uint64_t wrench_fresh = 0;   ///< ticks that began with a new reply; the wait for the first one counts nowhere
+  std::uint64_t wrench_fresh = 0;  ///< ticks that began with a new reply; the wait for the first one counts nowhere
   std::uint64_t wrench_late = 0;   ///< ticks on an extrapolated wrench
   std::uint64_t wrench_stale = 0;  ///< ticks faded or calm
   rt::Histogram loop_jitter;       ///< wake-up after the grid point
