@@ -60,12 +60,17 @@ DistanceField DistanceField::open(const std::filesystem::path& path, std::uint64
   return field;
 }
 
+DistanceField view_field(const FieldParts& parts) {
+  DistanceField field;
+  field.adopt(parts.grid, parts.coarse.data(), parts.blocks.data());
+  field.bytes_ = parts.coarse.size() * sizeof(CoarseEntry) + parts.blocks.size() * sizeof(FieldBlock);
+  return field;
+}
+
 DistanceField make_field(FieldParts parts, std::uint64_t content_hash) {
   const auto owner = std::make_shared<const FieldParts>(std::move(parts));
-  DistanceField field;
-  field.adopt(owner->grid, owner->coarse.data(), owner->blocks.data());
+  DistanceField field = view_field(*owner);
   field.content_hash_ = content_hash;
-  field.bytes_ = owner->coarse.size() * sizeof(CoarseEntry) + owner->blocks.size() * sizeof(FieldBlock);
   field.owner_ = owner;
   return field;
 }

@@ -67,6 +67,7 @@ class DistanceField {
 
  private:
   friend DistanceField make_field(FieldParts parts, std::uint64_t content_hash);
+  friend DistanceField view_field(const FieldParts& parts);
   struct Cell {
     const CoarseEntry* entry = nullptr;  ///< null: outside the grid
     Vec3 u;                              ///< grid coordinates, in cells

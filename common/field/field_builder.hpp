@@ -41,6 +41,9 @@ FieldParts sample_distance(const FieldGrid& grid, const std::function<double(con
 /// A field in memory.
 DistanceField make_field(FieldParts parts, std::uint64_t content_hash = 0);
 
+/// A field that looks at `parts` without owning them: they must outlive it and stay as they are.
+DistanceField view_field(const FieldParts& parts);
+
 /// Writes the file that DistanceField::open maps; atomically. Throws SetupError.
 void save_field(const FieldParts& parts, const std::filesystem::path& path, std::uint64_t content_hash);
 

@@ -24,7 +24,7 @@ struct Pointshell {
 
   Pose X_TM;                                     ///< mesh frame in T
   Mat3 inertia_shape_m2 = Mat3::Identity();      ///< inertia of unit mass about To in T, from inside samples
-  double gyration_radius_m = 0;                  ///< sqrt(trace / 3... see README): torque cap F_max * this
+  double gyration_radius_m = 0;                  ///< sqrt(trace(inertia_shape) / 3): torque cap F_max * this
   double bounding_radius_m = 0;                  ///< farthest point from To
   double spacing_m = 0;                          ///< largest gap of the coverage report
   std::uint64_t content_hash = 0;

@@ -1,0 +1,314 @@
+#include "contact/bake/worker/signs.hpp"
+
+#include <array>
+#include <atomic>
+#include <cmath>
+
+#include "contact/bake/worker/parallel.hpp"
+#include "contact/bake/worker/union_find.hpp"
+#include "fault/fault.hpp"
+
+namespace tact::contact {
+namespace {
+
+constexpr std::uint8_t kAlone = 255;  ///< a corner in no region
+
+/// Regions of one block: each corner's region, 0 .. count-1, or kAlone.
+struct Labels {
+  std::array<std::uint8_t, kBlockValues> of;
+  std::uint32_t count = 0;
+};
+
+/// The 13 neighbours of a corner that come later in storage order.
+struct Step {
+  int x, y, z, offset;
+  double length;
+};
+const std::array<Step, 13> kSteps = [] {
+  std::array<Step, 13> steps{};
+  std::size_t n = 0;
+  for (int z = 0; z <= 1; ++z) {
+    for (int y = z == 0 ? 0 : -1; y <= 1; ++y) {
+      for (int x = z == 0 && y == 0 ? 1 : -1; x <= 1; ++x) {
+        steps[n++] = {x, y, z, FieldBlock::index(x, y, z), std::sqrt(static_cast<double>(x * x + y * y + z * z))};
+      }
+    }
+  }
+  return steps;
+}();
+
+Labels label_block(const FieldBlock& block, double cell_steps) {
+  UnionFind sets(kBlockValues);
+  std::array<int, 13> limits{};
+  for (std::size_t s = 0; s < 13; ++s) limits[s] = static_cast<int>(std::ceil(kSteps[s].length * cell_steps)) + 2;
+  for (int z = 0; z < kBlockCorners; ++z) {
+    for (int y = 0; y < kBlockCorners; ++y) {
+      for (int x = 0; x < kBlockCorners; ++x) {
+        const int i = FieldBlock::index(x, y, z);
+        const int q = block.q[static_cast<std::size_t>(i)];
+        for (std::size_t s = 0; s < 13; ++s) {
+          const Step& step = kSteps[s];
+          const int nx = x + step.x, ny = y + step.y, nz = z + step.z;
+          if (nx < 0 || nx >= kBlockCorners || ny < 0 || ny >= kBlockCorners || nz >= kBlockCorners) continue;
+          if (q + block.q[static_cast<std::size_t>(i + step.offset)] > limits[s]) {
+            sets.join(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i + step.offset));
+          }
+        }
+      }
+    }
+  }
+  std::array<std::uint16_t, kBlockValues> size{};
+  for (std::uint32_t i = 0; i < kBlockValues; ++i) ++size[sets.find(i)];
+  Labels labels;
+  labels.of.fill(kAlone);
+  for (std::uint32_t i = 0; i < kBlockValues; ++i) {
+    const std::uint32_t root = sets.find(i);
+    if (size[root] < 2) continue;
+    if (root == i && labels.count < kAlone) labels.of[i] = static_cast<std::uint8_t>(labels.count++);
+    labels.of[i] = labels.of[root];  // the root is the smallest member, so it has its label by now
+  }
+  return labels;
+}
+
+class Solver {
+ public:
+  Solver(FieldParts& parts, const Surface& surface, const StageProgress& progress)
+      : parts_(parts), surface_(surface), progress_(progress), block_at_(parts.blocks.size()) {
+    const FieldGrid& grid = parts.grid;
+    for (int z = 0; z < grid.blocks[2]; ++z) {
+      for (int y = 0; y < grid.blocks[1]; ++y) {
+        for (int x = 0; x < grid.blocks[0]; ++x) {
+          const CoarseEntry& entry = parts.coarse[grid.block_index(x, y, z)];
+          if (entry.stored()) block_at_[entry.slot()] = {x, y, z};
+        }
+      }
+    }
+  }
+
+  SignReport run() {
+    label();
+    const auto nodes = static_cast<std::size_t>(first_far_) + parts_.coarse.size();
+    UnionFind regions(nodes);
+    join(regions);
+    vote_parts();
+    decide(regions);
+    apply(regions);
+    report_.voted_corners = alone_;
+    report_.close_votes = close_;
+    for (const CoarseEntry& entry : parts_.coarse) report_.doubtful_blocks += entry.doubtful() ? 1 : 0;
+    return report_;
+  }
+
+ private:
+  enum Sign : std::uint8_t { outside, inside, leaking, unknown };
+
+  std::uint32_t part(std::uint32_t slot, std::uint8_t label) const { return first_part_[slot] + label; }
+  std::uint32_t far(std::size_t index) const { return first_far_ + static_cast<std::uint32_t>(index); }
+  Vec3 corner(std::uint32_t slot, int i) const {
+    const auto& b = block_at_[slot];
+    return parts_.grid.corner_O(kBlockCells * b[0] + i % kBlockCorners,
+                                kBlockCells * b[1] + i / kBlockCorners % kBlockCorners,
+                                kBlockCells * b[2] + i / (kBlockCorners * kBlockCorners));
+  }
+  bool vote(const Vec3& p, bool& close) {
+    const Vote v = surface_.vote(p);
+    if (v.close) {
+      close = true;
+      ++close_;
+    }
+    return v.inside;
+  }
+  void doubt(std::uint32_t slot) {
+    const auto& b = block_at_[slot];
+    parts_.coarse[parts_.grid.block_index(b[0], b[1], b[2])].slot_and_flags |= CoarseEntry::kDoubtful;
+  }
+
+  void label() {
+    const std::size_t n = parts_.blocks.size();
+    labels_.resize(n);
+    const double cell_steps = 32767 * parts_.grid.voxel_m / parts_.grid.range_m();
+    parallel_stage("regions", n, progress_, [&](std::size_t i) { labels_[i] = label_block(parts_.blocks[i], cell_steps); });
+    first_part_.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      first_part_[i] = first_far_;
+      first_far_ += labels_[i].count;
+    }
+  }
+
+  /// Neighbouring blocks share the corners of a face, and a block far from the surface is all one sign.
+  void join(UnionFind& regions) {
+    const FieldGrid& grid = parts_.grid;
+    for (int z = 0; z < grid.blocks[2]; ++z) {
+      for (int y = 0; y < grid.blocks[1]; ++y) {
+        for (int x = 0; x < grid.blocks[0]; ++x) {
+          for (int axis = 0; axis < 3; ++axis) {
+            int n[3] = {x, y, z};
+            if (++n[axis] >= grid.blocks[static_cast<std::size_t>(axis)]) continue;
+            join_face(regions, grid.block_index(x, y, z), grid.block_index(n[0], n[1], n[2]), axis);
+          }
+        }
+      }
+    }
+  }
+
+  void join_face(UnionFind& regions, std::size_t low, std::size_t high, int axis) {
+    const CoarseEntry &a = parts_.coarse[low], &b = parts_.coarse[high];
+    if (!a.stored() && !b.stored()) {
+      regions.join(far(low), far(high));
+      return;
+    }
+    for (int u = 0; u < kBlockCorners; ++u) {
+      for (int v = 0; v < kBlockCorners; ++v) {
+        int c[3];
+        c[(axis + 1) % 3] = u;
+        c[(axis + 2) % 3] = v;
+        const auto node = [&](const CoarseEntry& entry, std::size_t index, int at) -> std::uint32_t {
+          if (!entry.stored()) return far(index);
+          c[axis] = at;
+          const std::uint8_t l = labels_[entry.slot()].of[static_cast<std::size_t>(FieldBlock::index(c[0], c[1], c[2]))];
+          return l == kAlone ? ~0u : part(entry.slot(), l);
+        };
+        const std::uint32_t p = node(a, low, kBlockCells), q = node(b, high, 0);
+        if (p != ~0u && q != ~0u) regions.join(p, q);
+      }
+    }
+  }
+
+  void vote_parts() {
+    part_inside_.assign(first_far_, 0);
+    part_close_.assign(first_far_, 0);
+    parallel_stage("inside or outside", parts_.blocks.size(), progress_, [&](std::size_t i) {
+      const auto slot = static_cast<std::uint32_t>(i);
+      std::array<int, kAlone> best;
+      best.fill(-1);
+      for (int c = 0; c < kBlockValues; ++c) {
+        const std::uint8_t l = labels_[i].of[static_cast<std::size_t>(c)];
+        if (l == kAlone) continue;
+        const auto& q = parts_.blocks[i].q;
+        if (best[l] < 0 || q[static_cast<std::size_t>(c)] > q[static_cast<std::size_t>(best[l])]) best[l] = c;
+      }
+      for (std::uint32_t l = 0; l < labels_[i].count; ++l) {
+        bool close = false;
+        part_inside_[first_part_[i] + l] = vote(corner(slot, best[l]), close);
+        part_close_[first_part_[i] + l] = close;
+      }
+    });
+  }
+
+  void decide(UnionFind& regions) {
+    struct Tally {
+      std::uint32_t in = 0, out = 0;
+    };
+    const std::size_t nodes = first_far_ + parts_.coarse.size();
+    std::vector<Tally> tally(nodes);
+    for (std::uint32_t p = 0; p < first_far_; ++p) {
+      Tally& t = tally[regions.find(p)];
+      ++(part_inside_[p] ? t.in : t.out);
+    }
+    sign_.assign(nodes, unknown);
+    for (std::uint32_t i = 0; i < nodes; ++i) {
+      const bool used = i < first_far_ || !parts_.coarse[i - first_far_].stored();
+      if (!used || regions.find(i) != i) continue;
+      ++report_.components;
+      const Tally& t = tally[i];
+      const std::uint32_t all = t.in + t.out, few = std::min(t.in, t.out);
+      if (all == 0) {
+        sign_[i] = leaking;  // no block beside it: each far block for itself
+      } else if (static_cast<double>(few) <= 0.01 * all) {
+        sign_[i] = t.in > t.out ? inside : outside;
+      } else {
+        sign_[i] = leaking;
+        ++report_.leaking;
+      }
+    }
+  }
+
+  void apply(UnionFind& regions) {
+    std::vector<std::uint32_t> root(first_far_);
+    for (std::uint32_t p = 0; p < first_far_; ++p) root[p] = regions.find(p);
+    parallel_stage("near the surface", parts_.blocks.size(), progress_, [&](std::size_t i) { sign_block(i, root); });
+    for (std::size_t i = 0; i < parts_.coarse.size(); ++i) {
+      CoarseEntry& entry = parts_.coarse[i];
+      if (entry.stored()) continue;
+      Sign s = sign_[regions.find(far(i))];
+      if (s == leaking) {
+        bool close = false;
+        const auto n = static_cast<std::size_t>(parts_.grid.blocks[0]), m = static_cast<std::size_t>(parts_.grid.blocks[1]);
+        const auto x = static_cast<int>(i % n), y = static_cast<int>(i / n % m), z = static_cast<int>(i / n / m);
+        s = vote(parts_.grid.block_centre_O(x, y, z), close) ? inside : outside;
+        if (close) entry.slot_and_flags |= CoarseEntry::kDoubtful;
+      }
+      if (s == inside) entry.slot_and_flags |= CoarseEntry::kInside;
+    }
+  }
+
+  void sign_block(std::size_t i, const std::vector<std::uint32_t>& root) {
+    const auto slot = static_cast<std::uint32_t>(i);
+    const Labels& labels = labels_[i];
+    bool doubtful = false;
+    std::array<Sign, kAlone + 1> sign;
+    sign.fill(leaking);  // of kAlone and of mixed parts: each corner for itself
+    for (std::uint32_t l = 0; l < labels.count; ++l) {
+      const std::uint32_t p = first_part_[i] + l;
+      const Sign s = sign_[root[p]];
+      sign[l] = s;
+      if (s == leaking) {
+        sign[l] = spread_vote(slot, static_cast<std::uint8_t>(l), part_inside_[p] != 0);
+        doubtful = doubtful || sign[l] == leaking || part_close_[p];
+      } else {
+        doubtful = doubtful || (s == inside) != (part_inside_[p] != 0);  // outvoted
+      }
+    }
+    FieldBlock& block = parts_.blocks[i];
+    for (int c = 0; c < kBlockValues; ++c) {
+      const auto at = static_cast<std::size_t>(c);
+      const Sign s = sign[labels.of[at]];
+      bool in = s == inside;
+      if (s == leaking && block.q[at] != 0) {
+        if (labels.of[at] == kAlone) ++alone_;
+        in = vote(corner(slot, c), doubtful);
+      }
+      if (in) block.q[at] = static_cast<std::int16_t>(-block.q[at]);
+    }
+    if (doubtful) doubt(slot);
+  }
+
+  /// The sign of one part of a leaking region when its extreme corners agree, else `leaking`.
+  Sign spread_vote(std::uint32_t slot, std::uint8_t label, bool first) {
+    std::array<int, 8> best;
+    best.fill(-1);
+    const auto& q = parts_.blocks[slot].q;
+    const auto& of = labels_[slot].of;
+    for (int c = 0; c < kBlockValues; ++c) {
+      if (of[static_cast<std::size_t>(c)] != label) continue;
+      const int x = c % kBlockCorners, y = c / kBlockCorners % kBlockCorners, z = c / (kBlockCorners * kBlockCorners);
+      const auto octant = static_cast<std::size_t>((x > 4 ? 1 : 0) + (y > 4 ? 2 : 0) + (z > 4 ? 4 : 0));
+      if (best[octant] < 0 || q[static_cast<std::size_t>(c)] > q[static_cast<std::size_t>(best[octant])]) best[octant] = c;
+    }
+    for (const int c : best) {
+      bool close = false;
+      if (c >= 0 && (vote(corner(slot, c), close) != first || close)) return leaking;
+    }
+    return first ? inside : outside;
+  }
+
+  FieldParts& parts_;
+  const Surface& surface_;
+  const StageProgress& progress_;
+  SignReport report_;
+  std::vector<std::array<int, 3>> block_at_;   ///< by slot
+  std::vector<Labels> labels_;                 ///< by slot
+  std::vector<std::uint32_t> first_part_;      ///< by slot: node of its region 0
+  std::uint32_t first_far_ = 0;                ///< nodes from here on are unstored blocks, by block index
+  std::vector<std::uint8_t> part_inside_, part_close_;
+  std::vector<Sign> sign_;                     ///< by node, at roots
+  std::atomic<std::size_t> alone_ = 0, close_ = 0;
+};
+
+}  // namespace
+
+SignReport settle_signs(FieldParts& parts, const Surface& surface, const StageProgress& progress) {
+  return Solver(parts, surface, progress).run();
+}
+
+}  // namespace tact::contact
