@@ -15,62 +15,81 @@ using D = hn::CappedTag<double, PotentialDirections::kPadding>;
 using V = hn::Vec<D>;
 
 /// t^q by squaring.
-HWY_INLINE V power(V t, int q) {
-  V result = (q & 1) ? t : hn::Set(D(), 1.0);
-  for (q >>= 1; q > 0; q >>= 1) {
-    t = hn::Mul(t, t);
-    if (q & 1) result = hn::Mul(result, t);
+struct AnyPower {
+  int q;
+  HWY_INLINE V operator()(V t) const {
+    V result = (q & 1) ? t : hn::Set(D(), 1.0);
+    for (int rest = q >> 1; rest > 0; rest >>= 1) {
+      t = hn::Mul(t, t);
+      if (rest & 1) result = hn::Mul(result, t);
+    }
+    return result;
   }
-  return result;
-}
+};
 
-/// Six sums over the groups: out[k] = scale sum beta moment[first + k], one lane a direction.
-HWY_INLINE void sum_moments(const PotentialWorkspace& work, std::size_t first, V scale, double* HWY_RESTRICT out) {
+/// The default, without the loop.
+struct EighthPower {
+  HWY_INLINE V operator()(V t) const {
+    t = hn::Mul(t, t);
+    t = hn::Mul(t, t);
+    return hn::Mul(t, t);
+  }
+};
+
+/// For one vector of directions: beta of each group, and out[k] = sum beta (power, moment)[k], one lane a direction.
+/// The sums stay in registers: an array of vectors would not.
+template <class Power>
+HWY_INLINE void sum_groups(V ux, V uy, V uz, Power power, PotentialWorkspace& work, double* HWY_RESTRICT out) {
   const D d;
   const std::size_t lanes = hn::Lanes(d);
-  V m0 = hn::Zero(d), m1 = m0, m2 = m0, m3 = m0, m4 = m0, m5 = m0;
+  const V half = hn::Set(d, 0.5), zero = hn::Zero(d);
+  V a = zero, m0 = zero, m1 = zero, m2 = zero, m3 = zero, m4 = zero, m5 = zero;
+  V m6 = zero, m7 = zero, m8 = zero, m9 = zero, m10 = zero, m11 = zero;
+  double* HWY_RESTRICT beta_out = work.beta.data();
   for (std::size_t g = 0; g < work.size; ++g) {
-    const V beta = hn::LoadU(d, work.beta.data() + g * lanes);
-    const double* HWY_RESTRICT m = work.group[g].moment + first;
+    const PotentialGroup& group = work.group[g];
+    V t = hn::MulAdd(hn::Set(d, group.n[0]), ux, half);
+    t = hn::MulAdd(hn::Set(d, group.n[1]), uy, t);
+    t = hn::MulAdd(hn::Set(d, group.n[2]), uz, t);
+    const V beta = power(hn::Max(t, zero));
+    hn::StoreU(beta, d, beta_out + g * lanes);
+    const double* HWY_RESTRICT m = group.moment;
+    a = hn::MulAdd(beta, hn::Set(d, group.power), a);
     m0 = hn::MulAdd(beta, hn::Set(d, m[0]), m0);
     m1 = hn::MulAdd(beta, hn::Set(d, m[1]), m1);
     m2 = hn::MulAdd(beta, hn::Set(d, m[2]), m2);
     m3 = hn::MulAdd(beta, hn::Set(d, m[3]), m3);
     m4 = hn::MulAdd(beta, hn::Set(d, m[4]), m4);
     m5 = hn::MulAdd(beta, hn::Set(d, m[5]), m5);
+    m6 = hn::MulAdd(beta, hn::Set(d, m[6]), m6);
+    m7 = hn::MulAdd(beta, hn::Set(d, m[7]), m7);
+    m8 = hn::MulAdd(beta, hn::Set(d, m[8]), m8);
+    m9 = hn::MulAdd(beta, hn::Set(d, m[9]), m9);
+    m10 = hn::MulAdd(beta, hn::Set(d, m[10]), m10);
+    m11 = hn::MulAdd(beta, hn::Set(d, m[11]), m11);
   }
-  const V sums[6] = {m0, m1, m2, m3, m4, m5};
-  for (std::size_t k = 0; k < 6; ++k) hn::StoreU(hn::Mul(scale, sums[k]), d, out + k * lanes);
+  const V sums[13] = {a, m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11};
+  for (std::size_t k = 0; k < 13; ++k) hn::StoreU(sums[k], d, out + k * lanes);
 }
 
-void run(const PotentialDirections& directions, int p, int q, PotentialWorkspace& work) {
+template <class Power>
+HWY_INLINE void run_with(const PotentialDirections& directions, int p, Power power, PotentialWorkspace& work) {
   const D d;
   const std::size_t lanes = hn::Lanes(d);
   const double inverse_p = 1.0 / p;
-  const V half = hn::Set(d, 0.5), zero = hn::Zero(d);
   // Below this, A^(1/p - 1) times a moment could overflow; such a direction weighs less than 1e-10 in E.
   const V smallest = hn::Set(d, 1e-290);
-  double S[12 * PotentialDirections::kPadding];
+  double sums[13 * PotentialDirections::kPadding];
+  double* HWY_RESTRICT S = sums + lanes;
   double ss[36 * PotentialDirections::kPadding] = {}, sh[36 * PotentialDirections::kPadding] = {};
   for (std::size_t i = 0; i < work.size * lanes; ++i) work.partial[i] = 0;
 
   for (std::size_t u = 0; u < directions.padded(); u += lanes) {
-    const V ux = hn::LoadU(d, directions.x.data() + u);
-    const V uy = hn::LoadU(d, directions.y.data() + u);
-    const V uz = hn::LoadU(d, directions.z.data() + u);
-    V A = zero;
-    for (std::size_t g = 0; g < work.size; ++g) {
-      const PotentialGroup& group = work.group[g];
-      V t = hn::MulAdd(hn::Set(d, group.n[0]), ux, half);
-      t = hn::MulAdd(hn::Set(d, group.n[1]), uy, t);
-      t = hn::MulAdd(hn::Set(d, group.n[2]), uz, t);
-      const V beta = power(hn::Max(t, zero), q);
-      hn::StoreU(beta, d, work.beta.data() + g * lanes);
-      A = hn::MulAdd(beta, hn::Set(d, group.power), A);
-    }
-    const auto used = hn::Gt(A, smallest);
+    sum_groups(hn::LoadU(d, directions.x.data() + u), hn::LoadU(d, directions.y.data() + u),
+               hn::LoadU(d, directions.z.data() + u), power, work, sums);
+    const V A = hn::LoadU(d, sums);
     const V log_A = hn::Log(d, hn::Max(A, smallest));
-    const V active = hn::IfThenElseZero(used, hn::LoadU(d, directions.active.data() + u));
+    const V active = hn::IfThenElseZero(hn::Gt(A, smallest), hn::LoadU(d, directions.active.data() + u));
     const V scale = hn::Mul(active, hn::Exp(d, hn::Mul(hn::Set(d, inverse_p - 1), log_A)));   // A^(1/p - 1)
     const V norm = hn::Exp(d, hn::Mul(hn::Set(d, inverse_p), log_A));                         // A^(1/p)
 
@@ -80,8 +99,7 @@ void run(const PotentialDirections& directions, int p, int q, PotentialWorkspace
       double* HWY_RESTRICT partial = work.partial.data() + g * lanes;
       hn::StoreU(hn::MulAdd(beta, slope, hn::LoadU(d, partial)), d, partial);
     }
-    sum_moments(work, 0, scale, S);
-    sum_moments(work, 6, scale, S + 6 * lanes);
+    for (std::size_t k = 0; k < 12; ++k) hn::StoreU(hn::Mul(scale, hn::LoadU(d, S + k * lanes)), d, S + k * lanes);
     for (std::size_t row = 0; row < 6; ++row) {
       const V left = hn::LoadU(d, S + row * lanes);
       for (std::size_t column = 0; column < 6; ++column) {
@@ -103,6 +121,14 @@ void run(const PotentialDirections& directions, int p, int q, PotentialWorkspace
       work.ss(row, column) = reduce(ss + at);
       work.sh(row, column) = reduce(sh + at);
     }
+  }
+}
+
+void run(const PotentialDirections& directions, int p, int q, PotentialWorkspace& work) {
+  if (q == 8) {
+    run_with(directions, p, EighthPower(), work);
+  } else {
+    run_with(directions, p, AnyPower{q}, work);
   }
 }
 

@@ -12,7 +12,9 @@ namespace tact::contact {
 /// What one traversal found besides the contacts.
 struct Findings {
   double max_depth_m = 0;       ///< deepest shell point; also of dropped ones
-  double clearance_m = 0;       ///< no shell point is nearer the zero of the field than this; 0 in contact
+  /// No shell point is nearer the zero of the field than this, so no smaller motion touches; 0 in contact. Within a
+  /// small factor of the true distance, but not accurate below half a voxel.
+  double clearance_m = 0;
   std::uint32_t status = 0;     ///< Status bits
   std::size_t nodes_visited = 0;
 };
