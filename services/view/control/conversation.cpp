@@ -20,7 +20,6 @@ constexpr std::array<Settable, 3> kSettable{{{"contact.law", "contact"}, {"conta
 
 std::string error(const std::string& message) { return Json{{"type", "error"}, {"message", message}}.dump(); }
 
-// JSON has no NaN and no infinity, but numbers of 400 digits: MouseHand and Camera meet only finite ones.
 double number(const Json& json, const char* key) { return json.value(key, 0.0); }
 
 }  // namespace

@@ -76,7 +76,7 @@ void PictureLoop::run() {
       publish_(Slot::gauss_map, encode_jpeg(draw_gauss_map(scene, camera, kPlotSize), kPlotQuality));
       const Image slice = studio->slice(scene, camera, kPlotSize);
       if (slice.width > 0) publish_(Slot::slice, encode_jpeg(slice, kPlotQuality));
-      publish_(Slot::strips, encode_jpeg(draw_strips(scene, 1280, 400), kPlotQuality));
+      publish_(Slot::strips, encode_jpeg(draw_strips(scene, 1280, 360), kPlotQuality));
     }
     const double smooth = frame == 1 ? 1.0 : 0.1;
     cpu_ms_per_frame_ = cpu_ms_per_frame_ + smooth * (cpu_ms() - cpu_start - cpu_ms_per_frame_);

@@ -13,7 +13,7 @@ namespace tact::view {
 namespace {
 
 // The ball about the bounding boxes is larger than the bodies.
-constexpr double kFrameShare = 0.8;
+constexpr double kFrameShare = 0.85;
 
 Placement placement(const ViewScene& scene, std::span<const Arrow> arrows = {}) { return {scene.info.X_WO, scene.device.X_WM, arrows}; }
 

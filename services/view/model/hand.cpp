@@ -6,9 +6,11 @@
 
 namespace tact::view {
 
-bool HandMove::finite() const {
-  return std::isfinite(dx) && std::isfinite(dy) && std::isfinite(dz) && std::isfinite(about_x_rad) &&
-         std::isfinite(about_y_rad) && std::isfinite(about_z_rad);
+bool HandMove::plausible() const {
+  for (const double v : {dx, dy, dz, about_x_rad, about_y_rad, about_z_rad}) {
+    if (!(std::abs(v) <= 10)) return false;
+  }
+  return true;
 }
 
 void MouseHand::take(const Pose& X_WH, const Pose& X_TM, const Vec3& centre_W, double reach_m) {
@@ -19,7 +21,7 @@ void MouseHand::take(const Pose& X_WH, const Pose& X_TM, const Vec3& centre_W, d
 }
 
 void MouseHand::move(const HandMove& move, const Camera& camera) {
-  if (!move.finite()) return;
+  if (!move.plausible()) return;
   const Quat q_WE = camera.X_WE().q;
   const double height = camera.picture_height_m(X_WT_.p);
   X_WT_.p += q_WE * (height * Vec3(move.dx, move.dy, move.dz));

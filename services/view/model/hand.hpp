@@ -10,7 +10,8 @@ struct HandMove {
   double dz = 0;                      ///< towards the viewer, in picture heights
   double about_x_rad = 0, about_y_rad = 0, about_z_rad = 0;  ///< about the eye's axes
 
-  bool finite() const;
+  /// All numbers, none beyond 10: no mouse does more between two messages.
+  bool plausible() const;
 };
 
 /// The pose a mouse holds the tool at. The mouse moves To in the picture and turns the tool about To.
@@ -20,7 +21,7 @@ class MouseHand {
   /// Stays within `reach_m` of `centre_W` whatever the mouse does.
   void take(const Pose& X_WH, const Pose& X_TM, const Vec3& centre_W, double reach_m);
 
-  /// Ignores a move that is not finite.
+  /// Ignores a move that is not plausible.
   void move(const HandMove& move, const Camera& camera);
 
   Pose X_WM() const { return X_WT_ * X_TM_; }

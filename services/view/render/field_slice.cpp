@@ -80,7 +80,7 @@ class Slice {
     }
     const double x = 0.05 * size_, y = 0.95 * size_;
     cv::line(mat_, subpixel(x, y), subpixel(x + length_m * px_per_m_, y), ink::kText, line(2), cv::LINE_AA, kShift);
-    text(mat_, short_number(1e3 * length_m) + " mm", x, y - 0.02 * size_, 0.028 * size_, ink::kText);
+    text(mat_, short_number(1e3 * length_m) + " mm", x, y - 0.025 * size_, 0.038 * size_, ink::kText);
   }
 
   void frame_names() {
@@ -90,8 +90,8 @@ class Slice {
       axis.cwiseAbs().maxCoeff(&i);
       return std::string(axis[i] < 0 ? "-" : "+") + names[i];
     };
-    text(mat_, name(plane_.u_O), 0.97 * size_, 0.515 * size_, 0.028 * size_, ink::kText, Align::right);
-    text(mat_, name(plane_.v_O), 0.5 * size_, 0.05 * size_, 0.028 * size_, ink::kText, Align::centre);
+    text(mat_, name(plane_.u_O), 0.97 * size_, 0.52 * size_, 0.038 * size_, ink::kText, Align::right);
+    text(mat_, name(plane_.v_O), 0.5 * size_, 0.06 * size_, 0.038 * size_, ink::kText, Align::centre);
   }
 
   Image take() { return std::move(image_); }

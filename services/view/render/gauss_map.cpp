@@ -41,9 +41,9 @@ class Map {
       const Eigen::Vector2d centre = Eigen::Vector2d::Constant(0.5 * size_);
       const Eigen::Vector2d tip = gauss_map_pixel(Vec3::Unit(i), camera_, size_, far_side) - centre;
       const cv::Scalar colour = far_side ? cv::Scalar(190, 180, 170) : ink::kText;
-      const Eigen::Vector2d from = centre + tip, to = centre + 1.1 * tip, name = centre + 1.17 * tip;
+      const Eigen::Vector2d from = centre + tip, to = centre + 1.1 * tip, name = centre + 1.165 * tip;
       cv::line(mat_, subpixel(from.x(), from.y()), subpixel(to.x(), to.y()), colour, line(1.5), cv::LINE_AA, kShift);
-      text(mat_, names[i], name.x(), name.y() + 0.012 * size_, 0.026 * size_, colour, Align::centre);
+      text(mat_, names[i], name.x(), name.y() + 0.017 * size_, 0.036 * size_, colour, Align::centre);
     }
   }
 

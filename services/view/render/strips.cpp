@@ -20,8 +20,8 @@ struct Strip {
 
 void draw_strip(cv::Mat area, const History& history, const Strip& strip, double window_s) {
   const double w = area.cols, h = area.rows;
-  const double letters = std::clamp(0.15 * h, 6.0, 20.0);
-  const double left = 9 * letters, right = w - 1, top = 0.14 * h, bottom = h - 0.06 * h;
+  const double letters = std::clamp(0.19 * h, 6.0, 20.0);
+  const double left = 13 * letters, right = w - 1, top = 0.14 * h, bottom = h - 0.06 * h;
   const std::size_t n = history.size();
   const double end_s = n > 0 ? history[n - 1].time_s : 0;
   std::size_t first = n;
@@ -47,9 +47,9 @@ void draw_strip(cv::Mat area, const History& history, const Strip& strip, double
   }
   if (strip.limit > 0) level(strip.limit, ink::kLimit);
   text(area, short_number(scale), left - 0.6 * letters, top + letters, 0.8 * letters, ink::kAxis, Align::right);
-  text(area, strip.name, 0.3 * letters, 0.5 * (top + bottom) + 0.2 * letters, letters, ink::kText);
+  text(area, strip.name, 0.3 * letters, 0.5 * (top + bottom) - 0.1 * letters, letters, ink::kText);
   const std::string now = n > 0 ? short_number(history[n - 1].*strip.value) + " " + strip.unit : std::string("- ") + strip.unit;
-  text(area, now, 0.3 * letters, 0.5 * (top + bottom) + 1.9 * letters, letters, strip.colour);
+  text(area, now, 0.3 * letters, 0.5 * (top + bottom) + 1.5 * letters, letters, strip.colour);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ class WebClient;
 
 /// The inside of the server. Everything belongs to its thread, except the atomic and what the mutex guards.
 struct WebLoop {
-  WebLoop(const WebOptions& o, WebHandlers h);
+  explicit WebLoop(const WebOptions& o);
 
   void accept();
   void join(const std::shared_ptr<WebClient>& client);

@@ -12,8 +12,8 @@ namespace tact::view {
 
 using boost::asio::ip::tcp;
 
-WebLoop::WebLoop(const WebOptions& o, WebHandlers h)
-    : options(o), handlers(std::move(h)), files(o.page), acceptor(listen_on(io, o.bind, o.port)) {
+WebLoop::WebLoop(const WebOptions& o)
+    : options(o), files(o.page), acceptor(listen_on(io, o.bind, o.port)) {
   TACT_CHECK(!options.token.empty());
   access.token = options.token;
   access.loopback = acceptor.local_endpoint().address().is_loopback();
@@ -62,12 +62,16 @@ void WebLoop::hand_out_fresh() {
   }
 }
 
-WebServer::WebServer(const WebOptions& options, WebHandlers handlers) : loop_(std::make_unique<WebLoop>(options, std::move(handlers))) {
+WebServer::WebServer(const WebOptions& options) : loop_(std::make_unique<WebLoop>(options)) {}
+
+void WebServer::start(WebHandlers handlers) {
+  loop_->handlers = std::move(handlers);
   loop_->accept();
   loop_->thread = std::thread([loop = loop_.get()] { loop->io.run(); });
 }
 
 WebServer::~WebServer() {
+  if (!loop_->thread.joinable()) return;
   boost::asio::post(loop_->io, [loop = loop_.get()] {
     loop->acceptor.close();
     const auto leaving = loop->clients;
@@ -108,6 +112,8 @@ void WebServer::send_event_to_all(std::string text) {
 }
 
 void WebServer::send_newest(Slot slot, std::string bytes) {
+  constexpr char kLetters[] = {0, 'p', 'g', 's', 't'};
+  if (slot != Slot::status) bytes.insert(bytes.begin(), kLetters[static_cast<std::size_t>(slot)]);
   auto payload = std::make_shared<const std::string>(std::move(bytes));
   {
     const std::lock_guard lock(loop_->mutex);

@@ -37,10 +37,13 @@ struct WebLoop;
 /// every buffer is bounded (see Outbox), every call here returns at once.
 class WebServer {
  public:
-  /// Binds and starts. Throws SetupError, naming machine.bind or machine.port, when the address cannot be had.
-  WebServer(const WebOptions& options, WebHandlers handlers);
+  /// Reads the page and takes the address. Throws SetupError, naming machine.bind or machine.port, when it cannot be had.
+  explicit WebServer(const WebOptions& options);
   /// Tells the clients goodbye and ends the thread.
   ~WebServer();
+
+  /// Lets clients in. Once.
+  void start(WebHandlers handlers);
 
   std::uint16_t port() const;
   /// Address for a browser on this machine (or on the network, when bound to one address); the token in it allows control.
@@ -50,7 +53,8 @@ class WebServer {
   /// Never dropped, in order. To one client, or to all.
   void send_event(ClientId client, std::string text);
   void send_event_to_all(std::string text);
-  /// Newest wins. The newest of each slot is also what a client gets first when it joins.
+  /// Newest wins. The newest of each slot is also what a client gets first when it joins. Status goes as text, the others as
+  /// binary messages: a letter (p, g, s, t: picture, Gauss map, slice, strips), then the bytes.
   void send_newest(Slot slot, std::string bytes);
 
  private:
