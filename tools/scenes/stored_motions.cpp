@@ -29,8 +29,8 @@ struct AlphaMotions {
 
 AlphaMotions alpha_motions() {
   constexpr double kStart = 0.042, kEnd = -0.150;  // of the tool's plane along S from the crossing
-  constexpr double kAboveTip = 0.0269;             // S above the flanks' meeting point, at start: wedged between them
-  constexpr double kAlongFlank = 0.036;            // S along the level flank from there, while sliding
+  constexpr double kAboveTip = 0.0282;             // S above the flanks' meeting point, at start: wedged between them
+  constexpr double kAlongFlank = 0.042;            // S along the level flank from there, while sliding
   const shapes::Alpha alpha = shapes::alpha_from({});
   const double g = alpha.tip_half_rad, level = std::numbers::pi / 2 - g;
   const Vec3 s = alpha.strand_direction();

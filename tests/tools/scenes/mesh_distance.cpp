@@ -66,8 +66,8 @@ double distance(const Vec3& p, const PlacedMesh& mesh) {
   return best;
 }
 
-double distance(const PlacedMesh& a, const PlacedMesh& b) {
-  double best = kInfinity;
+double distance(const PlacedMesh& a, const PlacedMesh& b, double cap) {
+  double best = cap;
   for (const auto& s : a.triangles) {
     for (const auto& t : b.triangles) {
       const double reach = best + s.radius + t.radius;

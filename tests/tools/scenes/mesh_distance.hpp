@@ -18,7 +18,8 @@ struct PlacedMesh {
 double distance(const Vec3& p, const PlacedMesh::Triangle& t);
 double distance(const PlacedMesh::Triangle& a, const PlacedMesh::Triangle& b);  ///< of triangles that do not cross
 double distance(const Vec3& p, const PlacedMesh& mesh);
-double distance(const PlacedMesh& a, const PlacedMesh& b);  ///< of surfaces that do not cross
+/// Of surfaces that do not cross; at most `cap`, beyond which it does not look.
+double distance(const PlacedMesh& a, const PlacedMesh& b, double cap);
 
 /// Solid angle of the mesh seen from p over 4 pi: 1 inside a closed outward surface, 0 outside.
 double winding_number(const Vec3& p, const PlacedMesh& mesh);

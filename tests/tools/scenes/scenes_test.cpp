@@ -33,6 +33,35 @@ TEST(Scenes, AllThatComeWithTheProgramLoadAndTheirShapesAndMotionsExist) {
   EXPECT_EQ(names, (std::set<std::string>{"alpha", "cone", "peg", "peg-round", "two-walls"}));
 }
 
+TEST(Scenes, KeepTheDimensionsTheyPromise) {
+  const auto scene = [](const std::string& name) {
+    return load_scene(std::filesystem::path(TACT_SCENES_DIR) / (name + ".toml"));
+  };
+  const SceneSpec cone = scene("cone");
+  const auto& gap = cone.obstacle.shape_params;
+  const double voxel = (gap.at("length_m") + gap.at("approach_m")) / cone.field_resolution;
+  EXPECT_NEAR((cone.tool.shape_params.at("height_m") - gap.at("gap_m")) / voxel, 4, 1e-9);  // 2 on each side
+
+  const SceneSpec walls = scene("two-walls");
+  const auto& w = walls.obstacle.shape_params;
+  const auto& box = walls.tool.shape_params;
+  const double a = w.at("length_a_m") * w.at("thickness_a_m"), b = w.at("length_b_m") * w.at("thickness_b_m");
+  EXPECT_NEAR(a / b, 1000. / 14, 1e-9);
+  const double x = box.at("size_x_m"), y = box.at("size_y_m"), z = box.at("size_z_m");
+  EXPECT_NEAR(walls.points * (a + b) / (2 * (x * y + y * z + z * x)), 1014, 1e-6);  // blue noise: points go with area
+  EXPECT_GT(x / 2, w.at("span_m") / 2 + w.at("thickness_a_m") / 2);
+  EXPECT_GT(y, w.at("length_a_m"));
+
+  for (const char* name : {"peg", "peg-round"}) {
+    const SceneSpec peg = scene(name);
+    EXPECT_NEAR(peg.obstacle.shape_params.at("hole_width_m") - peg.tool.shape_params.at("width_m"), 0.001, 1e-12);
+    EXPECT_LT(peg.start_X_WM.p.z() + peg.tool.shape_params.at("height_m"), peg.obstacle.shape_params.at("depth_m"));
+  }
+  const auto& p = scene("peg").tool.shape_params;
+  const double face = p.at("width_m") * p.at("height_m"), end = p.at("width_m") * p.at("width_m");
+  EXPECT_NEAR(scene("peg").points * face / (4 * face + 2 * end), 178, 0.5);
+}
+
 TEST(Scenes, StoredMotionsAreWhatTheGeneratorMakes) {
   for (const auto& [name, made] : scenes::stored_motions()) {
     const HandMotion stored = load_hand_motion(std::filesystem::path(TACT_SCENES_DIR) / name);
