@@ -2,7 +2,7 @@
 
 #include <time.h>
 
-#include <cmath>
+#include <utility>
 
 namespace tact::supervise {
 namespace {
@@ -35,7 +35,10 @@ SessionMonitor::SessionMonitor(const Session& session)
 void SessionMonitor::poll(std::int64_t timeout_ns) {
   device_subscriber_.wait(timeout_ns);
   health_.poll();
-  while (scene_subscriber_.take(scene_)) scene_known_ = true;
+  while (scene_subscriber_.take(scene_incoming_)) {
+    std::swap(static_cast<wire::SceneInfo&>(scene_), static_cast<wire::SceneInfo&>(scene_incoming_));
+    scene_known_ = true;
+  }
   for (wire::SessionStats stats; stats_subscriber_.take(stats);) {
     if (stats.schema == wire::kSchema) stats_.see(stats);
   }

@@ -53,7 +53,7 @@ class SessionMonitor {
   Subscriber<wire::SceneInfo> scene_subscriber_;
 
   std::optional<wire::DeviceState> device_;
-  wire::Message<wire::SceneInfo> scene_;
+  wire::Message<wire::SceneInfo> scene_, scene_incoming_;  // taking overwrites, also when there is nothing
   bool scene_known_ = false, script_done_ = false, proven_ = false;
   std::int64_t begun_ns_ = 0, ended_ns_ = 0;
   report::StatsByEpoch stats_;

@@ -144,7 +144,7 @@ void Supervisor::watch_services() {
   }
 }
 
-void Supervisor::died(Service& service, const Ending& ending) {
+void Supervisor::died(Service& service, Ending ending) {
   const std::string reason = reason_of(ending, log_of(service));
   service.earlier_cpu_s += service.use.cpu_s;
   service.lived_s += std::chrono::duration<double>(Clock::now() - service.started).count();

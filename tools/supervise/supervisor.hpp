@@ -61,7 +61,7 @@ class Supervisor {
   void restart_shared_memory(const std::string& why);
 
   void watch_services();
-  void died(Service& service, const Ending& ending);
+  void died(Service& service, Ending ending);
   void watch_shared_memory();
   void watch_beginning();
   void measure();
