@@ -31,6 +31,8 @@ struct AlphaScene {
   HandMotion script(const std::string& name) const { return load_hand_motion(scene.scripts.at(name).hand_csv); }
 };
 
+constexpr double kTranslationStep_m = 0.0005;
+
 /// Deepest points of the tool's surface inside the obstacle, in voxels: by the strand above and by the one below.
 struct Overlap {
   double upper = 0, lower = 0;
@@ -127,6 +129,63 @@ TEST(Alpha, StraightPullOverlapsTwoToSixVoxelsOnBothSides) {
   EXPECT_GT(most.lower, 2);  // measured: 3.44
   EXPECT_LT(most.lower, 6);
   EXPECT_EQ(s.scene.scripts.at("cheat").hand_force_max_n, 20);
+}
+
+std::vector<Vec3> resampled(const std::vector<Vec3>& line, double step_m) {
+  std::vector<Vec3> points;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const int n = std::max(1, static_cast<int>((line[i] - line[i - 1]).norm() / step_m));
+    for (int k = 0; k < n; ++k) points.push_back(line[i - 1] + (line[i] - line[i - 1]) * k / n);
+  }
+  points.push_back(line.back());
+  return points;
+}
+
+/// The largest clearance of round tubes (negative: they overlap), turned as q_WM, with the tool's virtual tip anywhere
+/// in the plane across S through the crossing and S inside the loop. Every way out at this orientation passes there.
+/// Tips more than 40 mm below S are left out: with both strands inside the loop it would not hold the obstacle.
+double best_clearance_at_crossing(const AlphaScene& s, const Quat& q_WM) {
+  const auto line = resampled(s.alpha.centre_line(), 0.002);
+  const Vec3 along = s.alpha.strand_direction(), across = Vec3::UnitZ().cross(along);
+  const Vec3 tip_M = s.alpha.virtual_tip(), p_S(0, 0, s.alpha.h());
+  std::vector<Vec3> obstacle, tool;  // the tool's from its virtual tip, in W
+  for (const auto& p : line) {
+    if (p.norm() < 0.08) obstacle.push_back(p);
+    const Vec3 from_tip = q_WM * (p - tip_M);
+    if (from_tip.norm() < 0.1) tool.push_back(from_tip);
+  }
+  const Mat3 R = q_WM.toRotationMatrix();
+  double best = -1;
+  for (double down = 0; down <= 0.040; down += kTranslationStep_m) {
+    for (double aside = -0.04; aside <= 0.04; aside += kTranslationStep_m) {
+      const Vec3 tip = p_S - down * Vec3::UnitZ() + aside * across;
+      // S meets the plane of the loop at m, seen from the tip, in M.
+      const Vec3 m = R.transpose() * (p_S - tip + along * ((tip - p_S).dot(R.col(2)) / along.dot(R.col(2))));
+      if (std::abs(m.y()) >= -m.x() * std::tan(s.alpha.tip_half_rad)) continue;
+      double nearest = 1;
+      for (const auto& p : obstacle) {
+        for (const auto& t : tool) nearest = std::min(nearest, (tip + t - p).squaredNorm());
+      }
+      best = std::max(best, std::sqrt(nearest) - s.alpha.diameter_m);
+    }
+  }
+  return best;
+}
+
+TEST(Alpha, TipDownNoTranslationPassesTheCrossingAndLevelOneDoes) {
+  const AlphaScene s;
+  // Between the grid's points the clearance is larger by less than the way to the nearest of them.
+  const double slack = kTranslationStep_m * std::sqrt(0.5);
+  const Quat down = s.scene.start_X_WM.q;
+  const Vec3 along = s.alpha.strand_direction(), across = Vec3::UnitZ().cross(along);
+  const auto turned = [&](double degrees, const Vec3& axis) {
+    return best_clearance_at_crossing(s, Quat(Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis)) * down);
+  };
+  EXPECT_LT(turned(0, along) + slack, -s.voxel_m);
+  for (const double pitch : {-20, 20}) EXPECT_LT(turned(pitch, across) + slack, -s.voxel_m);
+  for (const double roll : {-30, 30}) EXPECT_LT(turned(roll, along) + slack, -s.voxel_m);
+  EXPECT_GT(turned(-67.5, along), 0);
+  EXPECT_GT(turned(60, across), 0);
 }
 
 /// Where the obstacle's line, closed far away, passes through the tool's loop, closed by the straight line between its
