@@ -13,6 +13,7 @@
 namespace tact::rt {
 namespace {
 
+#ifndef TACT_SANITIZED
 /// Enough for a service with its shared memory mapped; below it we do not lock.
 constexpr rlim_t kLockedBytesNeeded = rlim_t{1} << 30;
 
@@ -22,6 +23,7 @@ bool may_lock_without_limit() {
   if (syscall(SYS_capget, &header, data) != 0) return false;
   return (data[0].effective & (1u << CAP_IPC_LOCK)) != 0;
 }
+#endif
 
 }  // namespace
 

@@ -5,9 +5,9 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include "coupling/link/loop_stand_in.hpp"
 #include "fault/fault.hpp"
 #include "link/roudi.hpp"
-#include "coupling/link/loop_stand_in.hpp"
 #include "support/process.hpp"
 
 namespace tact::coupling {

@@ -57,6 +57,21 @@ TEST(Watchdog, AStoppedAndContinuedProcessHasNotStalled) {
   EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
+TEST(Watchdog, ALoopThatHangsEndsTheProcess) {
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    std::atomic<std::uint64_t> progress{1};
+    const Watchdog watchdog({.name = "watchdog"}, progress, [] { leave_process("test", "watchdog: stalled"); });
+    ::pause();  // hangs inside a tick
+    ::_exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), kWatchdogExitStatus);
+}
+
 TEST(Watchdog, AStalledLoopEndsTheProcessWithANamedReason) {
   EXPECT_EXIT(leave_process("tact-coupling", "watchdog: the device loop stalled"),
               ::testing::ExitedWithCode(kWatchdogExitStatus), "tact-coupling: watchdog: the device loop stalled");
