@@ -1,0 +1,168 @@
+#include "contact/bake/baked_scene.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "contact/bake/content_key.hpp"
+#include "contact/model/pointshell.hpp"
+#include "fault/fault.hpp"
+#include "field/distance_field.hpp"
+#include "mesh/mesh.hpp"
+
+namespace tact::contact {
+namespace {
+
+/// Holds a file lock; waits for it if need be.
+class FileLock {
+ public:
+  FileLock(const std::filesystem::path& path, const std::string& part, const BakeProgress& progress)
+      : fd_(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
+    if (fd_ < 0) {
+      throw SetupError(path.string() + ": cannot write to the cache: " + std::strerror(errno) +
+                       ": free space, fix its permissions or set cache.dir");
+    }
+    while (::flock(fd_, LOCK_EX | LOCK_NB) != 0) {
+      if (errno != EINTR && errno != EWOULDBLOCK) {
+        const int error = errno;
+        ::close(fd_);
+        throw SetupError(path.string() + ": cannot lock: " + std::strerror(error));
+      }
+      if (progress && !progress({part, "waiting", 0})) {
+        ::close(fd_);
+        throw SetupError("bake: cancelled");
+      }
+      ::usleep(50'000);
+    }
+  }
+  FileLock(const FileLock&) = delete;
+  FileLock& operator=(const FileLock&) = delete;
+  ~FileLock() { ::close(fd_); }
+
+ private:
+  int fd_;
+};
+
+/// A file of our own for the child to read; removed afterwards.
+struct TemporaryFile {
+  std::filesystem::path path;
+  explicit TemporaryFile(const std::filesystem::path& folder) {
+    std::string name = (folder / "bake-session-XXXXXX").string();
+    const int fd = ::mkostemp(name.data(), O_CLOEXEC);
+    if (fd < 0) {
+      throw SetupError(folder.string() + ": cannot write to the cache: " + std::strerror(errno) +
+                       ": free space, fix its permissions or set cache.dir");
+    }
+    ::close(fd);
+    path = name;
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  ~TemporaryFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+  }
+};
+
+struct Part {
+  const char* name;  ///< "obstacle", "tool"
+  const BodySpec* body;
+  std::uint64_t key;
+  BakedFiles files;
+  std::function<void(const BakedFiles&, std::uint64_t)> check;  ///< throws SetupError
+};
+
+/// The body if all its files are there and sound.
+std::optional<BakedBody> look_up(const Part& part, nlohmann::json& report) {
+  std::error_code error;
+  for (const auto& path : {part.files.data, part.files.mesh, part.files.report}) {
+    if (!std::filesystem::exists(path, error)) return std::nullopt;
+  }
+  BakedBody body{part.files.data, part.files.mesh, part.files.report, part.key, true, 0, 0, 0, {}};
+  try {
+    part.check(part.files, part.key);
+    load_mesh(part.files.mesh);
+    report = nlohmann::json::parse(std::ifstream(part.files.report));
+    body.bake_seconds = report.at("seconds");
+    body.bake_peak_bytes = report.at("peak_memory_bytes");
+    body.warnings = report.at("warnings").get<std::vector<std::string>>();
+    body.bytes = std::filesystem::file_size(part.files.data);
+  } catch (const std::exception&) {  // damaged, foreign or of an old schema: made anew
+    return std::nullopt;
+  }
+  return body;
+}
+
+void remove(const BakedFiles& files) {
+  for (const auto& path : {files.report, files.data, files.mesh}) {
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+  }
+}
+
+}  // namespace
+
+BakedScene ensure_baked(const SceneSpec& scene, const std::filesystem::path& cache, const BakeProgress& progress,
+                        const std::filesystem::path& program) {
+  std::error_code error;
+  std::filesystem::create_directories(cache, error);
+  if (error) {
+    throw SetupError(cache.string() + ": cannot make the cache folder: " + error.message() + ": set cache.dir or TACT_CACHE");
+  }
+  const std::uint64_t field_key = obstacle_key(scene), shell_key = tool_key(scene);
+  const Part parts[2] = {
+      {"obstacle", &scene.obstacle, field_key, obstacle_files(cache, field_key),
+       [](const BakedFiles& f, std::uint64_t key) { DistanceField::open(f.data, key); }},
+      {"tool", &scene.tool, shell_key, tool_files(cache, shell_key),
+       [](const BakedFiles& f, std::uint64_t key) { load_pointshell(f.data, key); }}};
+  BakedBody bodies[2];
+  nlohmann::json reports[2];
+
+  for (int i = 0; i < 2; ++i) {
+    const Part& part = parts[i];
+    if (auto found = look_up(part, reports[i])) {
+      bodies[i] = *found;
+      continue;
+    }
+    const FileLock lock(part.files.lock, part.name, progress);
+    if (auto found = look_up(part, reports[i])) {  // another process was faster
+      bodies[i] = *found;
+      continue;
+    }
+    remove(part.files);
+    const TemporaryFile session_file(cache);
+    Session session;
+    session.name = "bake";
+    session.run_dir = cache;
+    session.scene = scene;
+    save_session(session, session_file.path);
+    const ChildEnd end = run_bake_child({program.string(), "--session", session_file.path.string(), "--cache",
+                                         cache.string(), "--part", part.name, "--progress"},
+                                        progress);
+    if (!end.good) {
+      throw SetupError(!end.error.empty() ? end.error
+                                          : body_name(*part.body) + ": the bake of this mesh " + end.how +
+                                                ": repair or simplify the mesh, or lower the resolution");
+    }
+    auto baked = look_up(part, reports[i]);
+    if (!baked) throw SetupError(part.files.data.string() + ": the bake ended well but its files do not read back");
+    bodies[i] = *baked;
+    bodies[i].from_cache = false;
+  }
+
+  BakedScene baked{bodies[0], bodies[1], 0, 0, 0, 0};
+  baked.voxel_m = reports[0].at("field").at("voxel_m");
+  baked.field_error_max_m = reports[0].at("field").at("error_largest_m");
+  baked.field_error_rms_m = reports[0].at("field").at("error_rms_m");
+  baked.largest_gap_voxels = reports[1].at("shell").at("largest_gap_m").get<double>() / baked.voxel_m;
+  return baked;
+}
+
+}  // namespace tact::contact
