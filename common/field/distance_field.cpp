@@ -78,7 +78,9 @@ DistanceField make_field(FieldParts parts, std::uint64_t content_hash) {
 namespace {
 /// For a point outside the grid and any q inside it: |p - q|^2 >= |p - p'|^2 + |p' - q|^2, p' the nearest point of the
 /// grid (a convex box). Combines the distance to the grid with a promise made at p'.
-double beyond(double to_grid_m, double at_nearest_m) noexcept { return std::hypot(to_grid_m, std::max(0.0, at_nearest_m)); }
+double beyond(double to_grid_m, double at_nearest_m) noexcept {
+  return std::hypot(to_grid_m, std::max(0.0, at_nearest_m));
+}
 
 /// A hair inside the grid, so that the point has a cell.
 Vec3 nearest_in_grid(const Vec3& p_O, const Vec3& min_O, const Vec3& max_O, double voxel_m) noexcept {

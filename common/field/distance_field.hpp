@@ -25,16 +25,16 @@ struct FieldParts;
 class DistanceField {
  public:
   struct Sample {
-    double value_m;                ///< interpolated; clamped to +-band_m() outside the band
-    Eigen::Vector3d gradient;      ///< of the interpolated field, in O; zero outside the band
-    bool in_band;                  ///< value and gradient come from stored corners
-    bool doubtful;                 ///< the bake could not settle inside/outside in this block
+    double value_m;            ///< interpolated; clamped to +-band_m() outside the band
+    Eigen::Vector3d gradient;  ///< of the interpolated field, in O; zero outside the band
+    bool in_band;              ///< value and gradient come from stored corners
+    bool doubtful;             ///< the bake could not settle inside/outside in this block
   };
 
   /// What a hierarchy traversal asks of a node's centre.
   struct Probe {
-    double value_m;                ///< as Sample
-    double clearance_m;            ///< see probe()
+    double value_m;      ///< as Sample
+    double clearance_m;  ///< see probe()
   };
 
   DistanceField() = default;  ///< empty: a placeholder to assign to
@@ -149,8 +149,8 @@ inline DistanceField::Sample DistanceField::sample(const Vec3& p_O) const noexce
   const double y0 = x00 * ey + x10 * fy, y1 = x01 * ey + x11 * fy;
   const double value = y0 * ez + y1 * fz;
   if (!(std::fabs(value) <= band_m_)) return {value < 0 ? -band_m_ : band_m_, Vec3::Zero(), false, doubtful};
-  const double gx = ((k.v[1] - k.v[0]) * ey + (k.v[3] - k.v[2]) * fy) * ez +
-                    ((k.v[5] - k.v[4]) * ey + (k.v[7] - k.v[6]) * fy) * fz;
+  const double gx =
+      ((k.v[1] - k.v[0]) * ey + (k.v[3] - k.v[2]) * fy) * ez + ((k.v[5] - k.v[4]) * ey + (k.v[7] - k.v[6]) * fy) * fz;
   const double gy = (x10 - x00) * ez + (x11 - x01) * fz;
   return {value, inverse_voxel_ * Vec3(gx, gy, y1 - y0), true, doubtful};
 }

@@ -41,9 +41,9 @@ static_assert(sizeof(CoarseEntry) == 8);
 
 /// The grid: where cells are and what the 16-bit values mean.
 struct FieldGrid {
-  Vec3 min_O = Vec3::Zero();          ///< m, corner of block (0, 0, 0)
-  double voxel_m = 0;                 ///< h, edge of a cell
-  double band_m = 0;                  ///< values are trusted where |sdf| <= band_m
+  Vec3 min_O = Vec3::Zero();  ///< m, corner of block (0, 0, 0)
+  double voxel_m = 0;         ///< h, edge of a cell
+  double band_m = 0;          ///< values are trusted where |sdf| <= band_m
   std::array<int, 3> blocks{0, 0, 0};
 
   /// Stored values reach a little further than the band, so that a cell with an in-band value has no clamped corner.

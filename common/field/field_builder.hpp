@@ -19,8 +19,8 @@ struct FieldParts {
 
 /// What finish() found.
 struct FieldTally {
-  std::size_t stored = 0;   ///< blocks kept
-  std::size_t jumps = 0;    ///< blocks across which the sign changes without a surface: 0 for a sound body
+  std::size_t stored = 0;  ///< blocks kept
+  std::size_t jumps = 0;   ///< blocks across which the sign changes without a surface: 0 for a sound body
   std::size_t doubtful = 0;
 };
 

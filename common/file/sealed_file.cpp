@@ -70,7 +70,8 @@ void write_all(int fd, const void* data, std::size_t bytes, const std::filesyste
     const ssize_t n = ::write(fd, at, std::min<std::size_t>(bytes, 1u << 30));
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
-      refuse(path, "cannot write: " + reason(n < 0 ? errno : ENOSPC) + ": free some space or choose another cache folder");
+      refuse(path,
+             "cannot write: " + reason(n < 0 ? errno : ENOSPC) + ": free some space or choose another cache folder");
     }
     at += n;
     bytes -= static_cast<std::size_t>(n);
@@ -93,7 +94,8 @@ SealedFile SealedFile::open(const std::filesystem::path& path, const SealedKind&
   void* address = ::mmap(nullptr, bytes, PROT_READ, MAP_SHARED | MAP_POPULATE, file.fd, 0);
   if (address == MAP_FAILED) refuse(path, "cannot map the " + what + ": " + reason(errno));
   SealedFile sealed;
-  sealed.mapping_ = std::shared_ptr<const void>(address, [bytes](const void* p) { ::munmap(const_cast<void*>(p), bytes); });
+  sealed.mapping_ =
+      std::shared_ptr<const void>(address, [bytes](const void* p) { ::munmap(const_cast<void*>(p), bytes); });
 
   Header header;
   std::memcpy(&header, address, sizeof(header));
@@ -104,8 +106,8 @@ SealedFile SealedFile::open(const std::filesystem::path& path, const SealedKind&
                      std::to_string(wanted.schema) + ": delete it and bake again");
   }
   if (header.payload_bytes != bytes - sizeof(Header)) {
-    refuse(path, "the " + what + " is truncated: found " + std::to_string(bytes - sizeof(Header)) + " bytes, expected " +
-                     std::to_string(header.payload_bytes) + ": delete it and bake again");
+    refuse(path, "the " + what + " is truncated: found " + std::to_string(bytes - sizeof(Header)) +
+                     " bytes, expected " + std::to_string(header.payload_bytes) + ": delete it and bake again");
   }
   const std::uint64_t stored = header.checksum;
   header.checksum = 0;

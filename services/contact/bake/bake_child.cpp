@@ -22,7 +22,8 @@ struct Pipe {
   int read = -1, write = -1;
   Pipe() {
     int fds[2];
-    if (::pipe2(fds, O_CLOEXEC) != 0) throw SetupError(std::string("bake: cannot make a pipe: ") + std::strerror(errno));
+    if (::pipe2(fds, O_CLOEXEC) != 0)
+      throw SetupError(std::string("bake: cannot make a pipe: ") + std::strerror(errno));
     read = fds[0];
     write = fds[1];
   }
@@ -61,7 +62,8 @@ class Child {
     posix_spawnattr_destroy(&attributes);
     if (error != 0) {
       pid_ = -1;
-      throw SetupError(command[0] + ": cannot start the bake: " + std::strerror(error) + ": is Tact installed completely?");
+      throw SetupError(command[0] + ": cannot start the bake: " + std::strerror(error) +
+                       ": is Tact installed completely?");
     }
   }
   Child(const Child&) = delete;

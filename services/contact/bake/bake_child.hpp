@@ -8,9 +8,9 @@ namespace tact::contact {
 
 /// How far a bake is.
 struct BakeStep {
-  std::string part;       ///< "obstacle", "tool"
-  std::string stage;      ///< "distances", "blue noise", ...; "waiting" for another process that bakes the same
-  double fraction = 0;    ///< of the stage
+  std::string part;     ///< "obstacle", "tool"
+  std::string stage;    ///< "distances", "blue noise", ...; "waiting" for another process that bakes the same
+  double fraction = 0;  ///< of the stage
 };
 /// Return false to cancel.
 using BakeProgress = std::function<bool(const BakeStep&)>;
@@ -19,8 +19,8 @@ using BakeProgress = std::function<bool(const BakeStep&)>;
 struct ChildEnd {
   bool good = false;
   std::string error;
-  std::string how;         ///< "crashed (Segmentation fault)", "left with code 3"
-  std::string last_part;   ///< the part it was at
+  std::string how;        ///< "crashed (Segmentation fault)", "left with code 3"
+  std::string last_part;  ///< the part it was at
 };
 
 /// Runs a program that prints one JSON object a line on stdout, {"part", "stage", "fraction"} or {"error"}; waits for

@@ -114,14 +114,14 @@ BakedScene ensure_baked(const SceneSpec& scene, const std::filesystem::path& cac
   std::error_code error;
   std::filesystem::create_directories(cache, error);
   if (error) {
-    throw SetupError(cache.string() + ": cannot make the cache folder: " + error.message() + ": set cache.dir or TACT_CACHE");
+    throw SetupError(cache.string() + ": cannot make the cache folder: " + error.message() +
+                     ": set cache.dir or TACT_CACHE");
   }
   const std::uint64_t field_key = obstacle_key(scene), shell_key = tool_key(scene);
-  const Part parts[2] = {
-      {"obstacle", &scene.obstacle, field_key, obstacle_files(cache, field_key),
-       [](const BakedFiles& f, std::uint64_t key) { DistanceField::open(f.data, key); }},
-      {"tool", &scene.tool, shell_key, tool_files(cache, shell_key),
-       [](const BakedFiles& f, std::uint64_t key) { load_pointshell(f.data, key); }}};
+  const Part parts[2] = {{"obstacle", &scene.obstacle, field_key, obstacle_files(cache, field_key),
+                          [](const BakedFiles& f, std::uint64_t key) { DistanceField::open(f.data, key); }},
+                         {"tool", &scene.tool, shell_key, tool_files(cache, shell_key),
+                          [](const BakedFiles& f, std::uint64_t key) { load_pointshell(f.data, key); }}};
   BakedBody bodies[2];
   nlohmann::json reports[2];
 

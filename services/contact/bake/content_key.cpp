@@ -30,7 +30,8 @@ std::string read_file(const std::filesystem::path& path) {
 /// A .gltf keeps its vertices in other files: hash those it names, wherever in the text it names them.
 std::uint64_t add_gltf_buffers(const std::string& text, const std::filesystem::path& folder, std::uint64_t hash) {
   for (std::size_t at = text.find("\"uri\""); at != std::string::npos; at = text.find("\"uri\"", at + 5)) {
-    const std::size_t begin = text.find('"', at + 5), end = begin == std::string::npos ? begin : text.find('"', begin + 1);
+    const std::size_t begin = text.find('"', at + 5),
+                      end = begin == std::string::npos ? begin : text.find('"', begin + 1);
     if (end == std::string::npos) break;
     const std::string uri = text.substr(begin + 1, end - begin - 1);
     std::error_code error;
@@ -48,6 +49,10 @@ std::uint64_t body_key(const BodySpec& body, std::uint64_t seed) {
     const Mesh mesh = make_shape(body.shape, body.shape_params);
     hash = hash_bytes(std::as_bytes(std::span(mesh.vertices)), hash);
     return hash_bytes(std::as_bytes(std::span(mesh.triangles)), hash);
+  }
+  if (body.unit.empty()) {
+    throw SetupError(body.mesh.string() +
+                     ": no unit given, expected unit = m, mm, cm or inch: mesh files do not state it");
   }
   const std::string text = read_file(body.mesh);
   hash = hash_text(text, hash_text(body.mesh.extension().string(), hash));
@@ -80,8 +85,6 @@ BakedFiles tool_files(const std::filesystem::path& cache, std::uint64_t key) {
   return files(cache, "tool-" + hex(key), ".shell");
 }
 
-std::string body_name(const BodySpec& body) {
-  return body.shape.empty() ? body.mesh.string() : "shape " + body.shape;
-}
+std::string body_name(const BodySpec& body) { return body.shape.empty() ? body.mesh.string() : "shape " + body.shape; }
 
 }  // namespace tact::contact

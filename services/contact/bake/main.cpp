@@ -45,8 +45,8 @@ void limit_memory() {
 StageProgress reporter(const Options& options, const std::string& part) {
   if (!options.progress) return {};
   // Twenty lines a second are plenty, but each new stage is worth one.
-  return [part, last = std::chrono::steady_clock::time_point(), stage_before = std::string()](
-             const char* stage, double fraction) mutable {
+  return [part, last = std::chrono::steady_clock::time_point(), stage_before = std::string()](const char* stage,
+                                                                                              double fraction) mutable {
     const auto now = std::chrono::steady_clock::now();
     if (stage == stage_before && now - last < std::chrono::milliseconds(50)) return true;
     last = now;
@@ -57,19 +57,22 @@ StageProgress reporter(const Options& options, const std::string& part) {
   };
 }
 
-void bake(const Options& options) {
+/// `body` names the mesh that is being worked on, for the one error that cannot name it itself.
+void bake(const Options& options, std::string& body) {
   std::filesystem::create_directories(options.cache);
   const SceneSpec scene = options.session.empty() ? load_scene(options.scene) : load_session(options.session).scene;
   const auto say = [&](const BakedFiles& files) {
     if (!options.progress) std::printf("%s\n%s\n%s\n", files.data.c_str(), files.mesh.c_str(), files.report.c_str());
   };
   if (options.part != "tool") {
+    body = body_name(scene.obstacle);
     const std::uint64_t key = obstacle_key(scene);
     const BakedFiles files = obstacle_files(options.cache, key);
     bake_obstacle(scene, files, key, reporter(options, "obstacle"));
     say(files);
   }
   if (options.part != "obstacle") {
+    body = body_name(scene.tool);
     const std::uint64_t key = tool_key(scene);
     const BakedFiles files = tool_files(options.cache, key);
     bake_tool(scene, files, key, reporter(options, "tool"));
@@ -79,7 +82,9 @@ void bake(const Options& options) {
 
 int fail(const Options& options, const std::string& text) {
   if (options.progress) {
-    std::printf("%s\n", nlohmann::json({{"error", text}}).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    std::printf(
+        "%s\n",
+        nlohmann::json({{"error", text}}).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
   } else {
     std::fprintf(stderr, "tact-bake: %s\n", text.c_str());
   }
@@ -94,9 +99,13 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Bakes the distance field of a scene's obstacle and the pointshell of its tool into a cache folder."};
   app.name("tact-bake");
-  app.footer("Example: tact-bake --scene alpha.toml --cache ~/.cache/tact\n`tact bake` does the same and shows what was found.");
+  app.footer(
+      "Example: tact-bake --scene alpha.toml --cache ~/.cache/tact\n`tact bake` does the same and shows what was "
+      "found.");
   auto* scene = app.add_option("--scene", options.scene, "Scene file")->check(CLI::ExistingFile);
-  app.add_option("--session", options.session, "Session file, instead of a scene")->check(CLI::ExistingFile)->excludes(scene);
+  app.add_option("--session", options.session, "Session file, instead of a scene")
+      ->check(CLI::ExistingFile)
+      ->excludes(scene);
   app.add_option("--cache", options.cache, "Folder for the baked files, made if missing")->required();
   app.add_option("--part", options.part, "What to bake")->check(CLI::IsMember({"obstacle", "tool", "both"}));
   app.add_flag("--progress", options.progress, "Print progress and errors as one JSON object a line on stdout");
@@ -104,10 +113,11 @@ int main(int argc, char** argv) {
   if (options.scene.empty() && options.session.empty()) return fail(options, "give --scene FILE or --session FILE");
   if (options.progress) ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody is left to use the result
   limit_memory();
+  std::string body = "bake";
   try {
-    bake(options);
+    bake(options, body);
   } catch (const std::bad_alloc&) {
-    return fail(options, "not enough memory for this bake: lower the resolution or simplify the mesh");
+    return fail(options, body + ": not enough memory for this bake: lower the resolution or simplify the mesh");
   } catch (const std::exception& error) {
     return fail(options, error.what());
   }

@@ -14,19 +14,19 @@ namespace tact::contact {
 /// contiguous in the next level. A point of level l appears once, at its own level only; the shell is all nodes.
 /// Points keep rest and current arrays so that a deformable tool can refit; a rigid tool has current == rest.
 struct Pointshell {
-  std::vector<Eigen::Vector3f> position_T;       ///< m
-  std::vector<Eigen::Vector3f> normal_T;         ///< unit, inward
-  std::vector<float> radius_m;                   ///< bounds every descendant; 0 for a leaf
-  std::vector<std::uint32_t> child_begin;        ///< index of the first child; children end at child_end
+  std::vector<Eigen::Vector3f> position_T;  ///< m
+  std::vector<Eigen::Vector3f> normal_T;    ///< unit, inward
+  std::vector<float> radius_m;              ///< bounds every descendant; 0 for a leaf
+  std::vector<std::uint32_t> child_begin;   ///< index of the first child; children end at child_end
   std::vector<std::uint32_t> child_end;
-  std::vector<std::uint32_t> level_begin;        ///< size levels + 1
-  std::vector<float> area_m2;                    ///< surface each point stands for
+  std::vector<std::uint32_t> level_begin;  ///< size levels + 1
+  std::vector<float> area_m2;              ///< surface each point stands for
 
-  Pose X_TM;                                     ///< mesh frame in T
-  Mat3 inertia_shape_m2 = Mat3::Identity();      ///< inertia of unit mass about To in T, from inside samples
-  double gyration_radius_m = 0;                  ///< sqrt(trace(inertia_shape) / 3): torque cap F_max * this
-  double bounding_radius_m = 0;                  ///< farthest point from To
-  double spacing_m = 0;                          ///< largest gap of the coverage report
+  Pose X_TM;                                 ///< mesh frame in T
+  Mat3 inertia_shape_m2 = Mat3::Identity();  ///< inertia of unit mass about To in T, from inside samples
+  double gyration_radius_m = 0;              ///< sqrt(trace(inertia_shape) / 3): torque cap F_max * this
+  double bounding_radius_m = 0;              ///< farthest point from To
+  double spacing_m = 0;                      ///< largest gap of the coverage report
   std::uint64_t content_hash = 0;
 
   std::size_t size() const { return position_T.size(); }

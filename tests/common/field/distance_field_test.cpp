@@ -22,7 +22,9 @@ double box(const Vec3& p) {
 
 double torus(const Vec3& p) { return std::hypot(std::hypot(p.x(), p.y()) - 0.04, p.z()) - 0.015; }
 
-DistanceField sphere_field(double h) { return build_field(Vec3(-0.04, -0.07, -0.02), Vec3(0.06, 0.03, 0.08), h, sphere); }
+DistanceField sphere_field(double h) {
+  return build_field(Vec3(-0.04, -0.07, -0.02), Vec3(0.06, 0.03, 0.08), h, sphere);
+}
 DistanceField box_field(double h) { return build_field(Vec3(-0.04, -0.03, -0.02), Vec3(0.04, 0.03, 0.02), h, box); }
 DistanceField torus_field(double h) {
   return build_field(Vec3(-0.055, -0.055, -0.015), Vec3(0.055, 0.055, 0.015), h, torus);
@@ -198,8 +200,7 @@ TEST(DistanceField, ClearanceHoldsWhereTheSignJumps) {
   // A closed-looking sphere whose sign is wrong in a wedge, and a plane without thickness: what a bake of bad soup may
   // leave behind.
   const auto wedge = [](const Vec3& p) { return std::atan2(p.y(), p.x()) > 2 ? -std::fabs(sphere(p)) : sphere(p); };
-  FieldParts parts =
-      sample_distance(make_grid(Vec3(-0.04, -0.07, -0.02), Vec3(0.06, 0.03, 0.08), 0.002), wedge);
+  FieldParts parts = sample_distance(make_grid(Vec3(-0.04, -0.07, -0.02), Vec3(0.06, 0.03, 0.08), 0.002), wedge);
   EXPECT_GT(finish(parts).jumps, 0u);
   expect_clearance_holds(make_field(std::move(parts)), 8);
 }

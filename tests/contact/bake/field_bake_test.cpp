@@ -36,8 +36,8 @@ Errors compare(const DistanceField& field, F&& distance, double within_voxels = 
   std::uniform_real_distribution<double> unit(0, 1);
   Errors errors;
   for (int i = 0; i < 100000; ++i) {
-    const Vec3 p = field.min_O() +
-                   Vec3(unit(random), unit(random), unit(random)).cwiseProduct(field.max_O() - field.min_O());
+    const Vec3 p =
+        field.min_O() + Vec3(unit(random), unit(random), unit(random)).cwiseProduct(field.max_O() - field.min_O());
     const double exact = distance(p);
     const auto s = field.sample(p);
     if (std::fabs(exact) > h && (exact < 0) != (s.value_m < 0)) ++errors.wrong_sign;
@@ -103,15 +103,15 @@ TEST(BakeField, ItsOwnErrorReportAgreesWithTheClosedForm) {
 TEST(BakeField, SpoiledSoupGivesTheSameField) {
   const Mesh sound = test::torus_mesh(0.04, 0.015, 40, 24);
   const DistanceField wanted = bake(sound, 64).field;
-  const Mesh spoiled[] = {test::unwelded(sound), test::doubly_faced(sound), test::unwelded(test::doubly_faced(sound)),
-                          test::flipped(sound, 2), test::flipped(sound, 1), test::unwelded(test::flipped(sound, 3))};
+  const Mesh spoiled[] = {test::unwelded(sound),   test::doubly_faced(sound), test::unwelded(test::doubly_faced(sound)),
+                          test::flipped(sound, 2), test::flipped(sound, 1),   test::unwelded(test::flipped(sound, 3))};
   for (const Mesh& mesh : spoiled) {
     const Baked baked = bake(mesh, 64);
     std::mt19937 random(3);
     std::uniform_real_distribution<double> unit(0, 1);
     for (int i = 0; i < 20000; ++i) {
-      const Vec3 p = wanted.min_O() +
-                     Vec3(unit(random), unit(random), unit(random)).cwiseProduct(wanted.max_O() - wanted.min_O());
+      const Vec3 p =
+          wanted.min_O() + Vec3(unit(random), unit(random), unit(random)).cwiseProduct(wanted.max_O() - wanted.min_O());
       ASSERT_EQ(baked.field.sample(p).value_m, wanted.sample(p).value_m);
     }
   }
@@ -144,8 +144,9 @@ TEST(BakeField, AnOpenEndIsClosedByTheVoteAndDeclared) {
   std::uniform_real_distribution<double> unit(0, 1);
   int wrong = 0, wrong_and_unsaid = 0;
   for (int i = 0; i < 50000; ++i) {
-    const Vec3 p = baked.field.min_O() + Vec3(unit(random), unit(random), unit(random))
-                                             .cwiseProduct(baked.field.max_O() - baked.field.min_O());
+    const Vec3 p =
+        baked.field.min_O() +
+        Vec3(unit(random), unit(random), unit(random)).cwiseProduct(baked.field.max_O() - baked.field.min_O());
     const double exact = test::cylinder_distance(p, 0.0199, 0.03);
     if (std::fabs(exact) < 2 * h) continue;
     const auto s = baked.field.sample(p);
@@ -184,7 +185,8 @@ TEST(BakeField, LowerBoundsAndClearancesHoldOnBakedFields) {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> unit(-0.5, 1.5);
     const auto point = [&] {
-      return Vec3(field.min_O() + Vec3(unit(random), unit(random), unit(random)).cwiseProduct(field.max_O() - field.min_O()));
+      return Vec3(field.min_O() +
+                  Vec3(unit(random), unit(random), unit(random)).cwiseProduct(field.max_O() - field.min_O()));
     };
     std::vector<Vec3> negative;
     while (negative.size() < 2000) {
@@ -204,7 +206,9 @@ TEST(BakeField, CancelsWhenAsked) {
   const Soup soup = clean_soup(fine_torus());
   FieldReport report;
   int calls = 0;
-  EXPECT_THROW(bake_field(soup, {128, 4, 0}, [&](const char*, double) { return ++calls < 5; }, report), Cancelled);
+  EXPECT_THROW(bake_field(
+                   soup, {128, 4, 0}, [&](const char*, double) { return ++calls < 5; }, report),
+               Cancelled);
 }
 
 TEST(BakeField, ScaleAndPlaceDoNotMatter) {
@@ -212,8 +216,8 @@ TEST(BakeField, ScaleAndPlaceDoNotMatter) {
     Mesh mesh = test::torus_mesh(0.04, 0.015, 100, 60);
     for (auto& v : mesh.vertices) v = (v + Eigen::Vector3f(0.3f, -0.2f, 0.1f)) * static_cast<float>(scale);
     const Baked baked = bake(mesh, 64);
-    const Errors errors = compare(
-        baked.field, [&](const Vec3& p) { return scale * torus_m(p / scale - Vec3(0.3, -0.2, 0.1)); });
+    const Errors errors =
+        compare(baked.field, [&](const Vec3& p) { return scale * torus_m(p / scale - Vec3(0.3, -0.2, 0.1)); });
     EXPECT_EQ(errors.wrong_sign, 0);
     EXPECT_LT(errors.value, 0.15);
     EXPECT_EQ(baked.report.jumping_blocks, 0u);

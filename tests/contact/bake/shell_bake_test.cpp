@@ -129,7 +129,8 @@ TEST(BakeShell, NoPlaceIsFartherFromAPointThanReported) {
     const int axis = i % 3;
     p[axis] = i % 2 ? kLow[axis] : kHigh[axis];
     double nearest = 1;
-    for (std::size_t k = 0; k < baked.shell.size(); ++k) nearest = std::min(nearest, (in_mesh_frame(baked.shell, k) - p).norm());
+    for (std::size_t k = 0; k < baked.shell.size(); ++k)
+      nearest = std::min(nearest, (in_mesh_frame(baked.shell, k) - p).norm());
     worst = std::max(worst, nearest);
   }
   EXPECT_LT(worst, 1.1 * baked.report.largest_gap_m);

@@ -69,7 +69,8 @@ inline Mesh sphere_mesh(const Vec3& centre, double radius, std::uint32_t rings) 
       add(mesh, centre + radius * Vec3(std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)));
     }
   }
-  const std::uint32_t top = add(mesh, centre + radius * Vec3::UnitZ()), bottom = add(mesh, centre - radius * Vec3::UnitZ());
+  const std::uint32_t top = add(mesh, centre + radius * Vec3::UnitZ()),
+                      bottom = add(mesh, centre - radius * Vec3::UnitZ());
   for (std::uint32_t j = 0; j < around; ++j) {
     const std::uint32_t k = (j + 1) % around;
     mesh.triangles.push_back({top, j, k});

@@ -28,7 +28,8 @@ Mesh geometry(const BodySpec& body) {
 Soup clean(const BodySpec& body) {
   Soup soup = clean_soup(geometry(body));
   if (soup.mesh.triangles.empty()) {
-    throw SetupError(body_name(body) + ": all " + std::to_string(soup.report.triangles_read) + " triangles are degenerate");
+    throw SetupError(body_name(body) + ": all " + std::to_string(soup.report.triangles_read) +
+                     " triangles are degenerate");
   }
   return soup;
 }
@@ -103,7 +104,8 @@ std::vector<std::string> soup_warnings(const BodySpec& body, const SoupReport& r
 }
 
 void write_report(const BakedFiles& files, json report, const char* part, const SceneSpec& scene, const BodySpec& body,
-                  std::uint64_t key, Clock::time_point start, const Soup& soup, const std::vector<std::string>& warnings) {
+                  std::uint64_t key, Clock::time_point start, const Soup& soup,
+                  const std::vector<std::string>& warnings) {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
   report["schema"] = 1;
@@ -140,15 +142,15 @@ void bake_obstacle(const SceneSpec& scene, const BakedFiles& files, std::uint64_
   std::vector<std::string> warnings = soup_warnings(body, soup.report);
   const std::string name = body_name(body) + ": ";
   if (r.signs.doubtful_blocks > 0) {
-    warnings.push_back(name + "inside and outside are uncertain in " + std::to_string(r.signs.doubtful_blocks) + " of " +
-                       std::to_string(r.blocks_stored) + " blocks of the field");
+    warnings.push_back(name + "inside and outside are uncertain in " + std::to_string(r.signs.doubtful_blocks) +
+                       " of " + std::to_string(r.blocks_stored) + " blocks of the field");
   }
   if (r.jumping_blocks > 0) {
     warnings.push_back(name + "the sign changes without a surface in " + std::to_string(r.jumping_blocks) + " blocks");
   }
   if (r.sign_mismatches > 0) {
-    warnings.push_back(name + "the sign differs from an independent vote at " + std::to_string(r.sign_mismatches) + " of " +
-                       std::to_string(r.error_samples) + " random samples");
+    warnings.push_back(name + "the sign differs from an independent vote at " + std::to_string(r.sign_mismatches) +
+                       " of " + std::to_string(r.error_samples) + " random samples");
   }
   if (r.surface_without_inside > 0.005) {
     warnings.push_back(name + percent(r.surface_without_inside) +
@@ -178,11 +180,13 @@ void bake_tool(const SceneSpec& scene, const BakedFiles& files, std::uint64_t ke
   const std::string name = body_name(body) + ": ";
   const auto share = [&](std::size_t n) { return static_cast<double>(n) / static_cast<double>(r.samples); };
   if (r.samples_without_inside > 0) {
-    warnings.push_back(name + percent(share(r.samples_without_inside)) +
-                       " of the surface has no inside; its normals are those of the file: if it is a sheet, set sheet_thickness_m");
+    warnings.push_back(
+        name + percent(share(r.samples_without_inside)) +
+        " of the surface has no inside; its normals are those of the file: if it is a sheet, set sheet_thickness_m");
   }
   if (r.buried_samples > 0) {
-    warnings.push_back(name + percent(share(r.buried_samples)) + " of the surface lies inside the body and got no points");
+    warnings.push_back(name + percent(share(r.buried_samples)) +
+                       " of the surface lies inside the body and got no points");
   }
   write_report(files, {{"shell", to_json(r)}}, "tool", scene, body, key, start, soup, warnings);
 }

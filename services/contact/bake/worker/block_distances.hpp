@@ -8,10 +8,10 @@
 
 namespace tact::contact {
 
-/// Exact unsigned distances from the 729 corners of a block to a surface. The block is halved in the manner of an octree:
-/// a cube of half diagonal r whose centre is d from the surface needs only the triangles within d + 2 r of it. Few
-/// triangles: all corners of the cube against each of them. Many (a mesh finer than the grid): halve, and at last ask
-/// for each corner by itself. One object per thread: it keeps its scratch.
+/// Exact unsigned distances from the 729 corners of a block to a surface. The block is halved in the manner of an
+/// octree: a cube of half diagonal r whose centre is d from the surface needs only the triangles within d + 2 r of it.
+/// Few triangles: all corners of the cube against each of them. Many (a mesh finer than the grid): halve, and at last
+/// ask for each corner by itself. One object per thread: it keeps its scratch.
 class BlockDistances {
  public:
   BlockDistances(const Surface& surface, const FieldGrid& grid) : surface_(&surface), grid_(&grid) {}
@@ -37,7 +37,7 @@ class BlockDistances {
   double limit_m_ = 0;
   std::span<float> out_;
   std::vector<std::uint32_t> near_[5];  ///< by depth
-  std::vector<double> square_;  ///< of the candidates at one depth
+  std::vector<double> square_;          ///< of the candidates at one depth
   std::vector<double> x_, y_, z_, best_;
 };
 

@@ -37,22 +37,23 @@ void coarse_distances(FieldParts& parts, const SplitSoup& split, const StageProg
   const double reach = grid.range_m() + half_diagonal;
   const int nx = grid.blocks[0], ny = grid.blocks[1], nz = grid.blocks[2];
   std::vector<std::uint8_t> stored(grid.block_count(), 0);
-  parallel_stage("far field", static_cast<std::size_t>(ny) * static_cast<std::size_t>(nz), progress, [&](std::size_t row) {
-    const int y = static_cast<int>(row) % ny, z = static_cast<int>(row) / ny;
-    double solid = kInfinity, sheet = kInfinity;
-    for (int x = 0; x < nx; ++x) {
-      const Vec3 centre = grid.block_centre_O(x, y, z);
-      const std::size_t i = grid.block_index(x, y, z);
-      solid = split.solid.distance(centre, solid + 1.001 * block_m);
-      sheet = split.sheets.distance(centre, sheet + 1.001 * block_m);
-      const double plate = sheet - split.half_thickness_m;
-      const double d = std::min(solid, std::fabs(plate));
-      CoarseEntry& entry = parts.coarse[i];
-      entry.centre_distance_m = static_cast<float>(d * (1 - 1e-6));
-      if (plate < 0) entry.slot_and_flags |= CoarseEntry::kInside;  // of a thick plate
-      stored[i] = d <= reach;
-    }
-  });
+  parallel_stage("far field", static_cast<std::size_t>(ny) * static_cast<std::size_t>(nz), progress,
+                 [&](std::size_t row) {
+                   const int y = static_cast<int>(row) % ny, z = static_cast<int>(row) / ny;
+                   double solid = kInfinity, sheet = kInfinity;
+                   for (int x = 0; x < nx; ++x) {
+                     const Vec3 centre = grid.block_centre_O(x, y, z);
+                     const std::size_t i = grid.block_index(x, y, z);
+                     solid = split.solid.distance(centre, solid + 1.001 * block_m);
+                     sheet = split.sheets.distance(centre, sheet + 1.001 * block_m);
+                     const double plate = sheet - split.half_thickness_m;
+                     const double d = std::min(solid, std::fabs(plate));
+                     CoarseEntry& entry = parts.coarse[i];
+                     entry.centre_distance_m = static_cast<float>(d * (1 - 1e-6));
+                     if (plate < 0) entry.slot_and_flags |= CoarseEntry::kInside;  // of a thick plate
+                     stored[i] = d <= reach;
+                   }
+                 });
   std::size_t slots = 0;
   for (std::size_t i = 0; i < stored.size(); ++i) {
     if (stored[i]) parts.coarse[i].slot_and_flags = static_cast<std::uint32_t>(slots++);
@@ -72,7 +73,8 @@ void for_each_stored(const char* stage, FieldParts& parts, const StageProgress& 
       }
     }
   }
-  parallel_stage(stage, at.size(), progress, [&](std::size_t slot) { body(slot, at[slot][0], at[slot][1], at[slot][2]); });
+  parallel_stage(stage, at.size(), progress,
+                 [&](std::size_t slot) { body(slot, at[slot][0], at[slot][1], at[slot][2]); });
 }
 
 /// Unsigned distances of all stored corners to the solid part.

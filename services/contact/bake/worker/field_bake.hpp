@@ -7,7 +7,7 @@
 namespace tact::contact {
 
 struct FieldOptions {
-  int resolution = 256;          ///< cells along the longest side of the body
+  int resolution = 256;  ///< cells along the longest side of the body
   double band_voxels = 4;
   double sheet_thickness_m = 0;  ///< > 0: open parts become plates of this thickness
 };
@@ -18,11 +18,11 @@ struct FieldReport {
   std::array<int, 3> cells{0, 0, 0};
   std::size_t blocks_stored = 0, bytes = 0;
   SignReport signs;
-  std::size_t jumping_blocks = 0;      ///< the sign changes there without a surface
-  std::size_t error_samples = 0;       ///< random points in the band, outside doubtful blocks
+  std::size_t jumping_blocks = 0;               ///< the sign changes there without a surface
+  std::size_t error_samples = 0;                ///< random points in the band, outside doubtful blocks
   double error_largest_m = 0, error_rms_m = 0;  ///< interpolated against exact signed distance
-  std::size_t sign_mismatches = 0;     ///< samples farther than a tenth of a voxel from the surface with the other sign
-  double surface_without_inside = 0;   ///< fraction of the surface with no inside within 1.5 voxels: sheets, thin walls
+  std::size_t sign_mismatches = 0;    ///< samples farther than a tenth of a voxel from the surface with the other sign
+  double surface_without_inside = 0;  ///< fraction of the surface with no inside within 1.5 voxels: sheets, thin walls
 };
 
 /// The part of a soup that bounds a volume, and the part that is plates of a stated thickness.

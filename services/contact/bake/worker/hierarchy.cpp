@@ -19,7 +19,7 @@ void build_hierarchy(const std::vector<Vec3>& positions, const std::vector<Vec3>
     counts.push_back(l == levels ? n : std::clamp(static_cast<std::size_t>(std::lround(c)), least, n));
   }
 
-  std::vector<std::uint32_t> order;     // breadth-first: index into positions
+  std::vector<std::uint32_t> order;         // breadth-first: index into positions
   std::vector<std::uint32_t> parent(n, 0);  // breadth-first index of the parent, by breadth-first index
   order.reserve(n);
   shell.level_begin.assign(1, 0);
@@ -38,7 +38,8 @@ void build_hierarchy(const std::vector<Vec3>& positions, const std::vector<Vec3>
       const PointGrid grid(above, (positions[order[0]].norm() + 1e-9) / std::sqrt(static_cast<double>(above.size())));
       std::vector<std::pair<std::uint32_t, std::uint32_t>> children;  // parent, point
       for (std::size_t i = from; i < to; ++i) {
-        children.emplace_back(static_cast<std::uint32_t>(above_begin) + grid.nearest(positions[i]), static_cast<std::uint32_t>(i));
+        children.emplace_back(static_cast<std::uint32_t>(above_begin) + grid.nearest(positions[i]),
+                              static_cast<std::uint32_t>(i));
       }
       std::sort(children.begin(), children.end());
       for (const auto& [p, i] : children) {

@@ -27,7 +27,8 @@ class PointGrid {
     while (cells(cell) > 8.0 * static_cast<double>(points.size()) + 1000) cell *= 1.3;
     cell_ = cell;
     for (int i = 0; i < 3; ++i) n_[i] = static_cast<int>(size[i] / cell) + 1;
-    begin_.assign(static_cast<std::size_t>(n_[0]) * static_cast<std::size_t>(n_[1]) * static_cast<std::size_t>(n_[2]) + 1, 0);
+    begin_.assign(
+        static_cast<std::size_t>(n_[0]) * static_cast<std::size_t>(n_[1]) * static_cast<std::size_t>(n_[2]) + 1, 0);
     std::vector<std::size_t> at(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
       int c[3];

@@ -211,9 +211,8 @@ SurfaceSamples sample_surface(const Soup& soup, const SplitSoup& split, std::siz
   const std::vector<FeaturePlace> places = feature_places(soup, plates, feature_spacing_m);
   std::vector<Vec3> normals(places.size());
   std::vector<std::uint8_t> good(places.size(), 0);
-  parallel_stage("sharp edges", places.size(), progress, [&](std::size_t i) {
-    good[i] = orient_feature(mesh, split, places[i], normals[i]);
-  });
+  parallel_stage("sharp edges", places.size(), progress,
+                 [&](std::size_t i) { good[i] = orient_feature(mesh, split, places[i], normals[i]); });
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (!good[i]) continue;
     samples.position.push_back(places[i].position);

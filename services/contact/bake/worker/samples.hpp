@@ -9,16 +9,17 @@ namespace tact::contact {
 /// Oriented points on the outside of a body, in its mesh frame.
 struct SurfaceSamples {
   std::vector<Vec3> position;
-  std::vector<Vec3> normal;             ///< unit, inward
-  std::vector<std::uint8_t> on_feature; ///< on a sharp edge or a corner
-  double area_m2 = 0;                   ///< of the exposed surface: each sample not on a feature stands for an equal part
-  std::size_t buried = 0;               ///< samples dropped: inside the body, on neither side of its surface
-  std::size_t no_inside = 0;            ///< samples with outside on both sides (lone sheets): the file's orientation kept
+  std::vector<Vec3> normal;              ///< unit, inward
+  std::vector<std::uint8_t> on_feature;  ///< on a sharp edge or a corner
+  double area_m2 = 0;         ///< of the exposed surface: each sample not on a feature stands for an equal part
+  std::size_t buried = 0;     ///< samples dropped: inside the body, on neither side of its surface
+  std::size_t no_inside = 0;  ///< samples with outside on both sides (lone sheets): the file's orientation kept
 };
 
 /// `count` random samples, uniform by area, and further ones along sharp edges (30 degrees and more, open rims) every
-/// `feature_spacing_m`, corners included. Which side is inside is asked of the body itself (Surface::vote), never of the
-/// triangles' orientation; the orientation decides only where both sides are outside. Plates get samples on both faces.
+/// `feature_spacing_m`, corners included. Which side is inside is asked of the body itself (Surface::vote), never of
+/// the triangles' orientation; the orientation decides only where both sides are outside. Plates get samples on both
+/// faces.
 SurfaceSamples sample_surface(const Soup& soup, const SplitSoup& split, std::size_t count, double feature_spacing_m,
                               const StageProgress& progress);
 

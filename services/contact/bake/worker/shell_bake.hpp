@@ -13,8 +13,8 @@ struct ShellOptions {
 struct ShellReport {
   std::size_t points = 0, feature_points = 0;
   double area_m2 = 0, volume_m3 = 0;
-  double mean_spacing_m = 0;       ///< of ideal packing
-  double largest_gap_m = 0;        ///< from any place of the exposed surface to the nearest point
+  double mean_spacing_m = 0;  ///< of ideal packing
+  double largest_gap_m = 0;   ///< from any place of the exposed surface to the nearest point
   std::size_t buried_samples = 0, samples_without_inside = 0, samples = 0;
   std::vector<std::size_t> level_sizes;
 };
@@ -24,8 +24,8 @@ struct ShellReport {
 Pointshell bake_shell(const Soup& soup, const ShellOptions& options, const StageProgress& progress,
                       ShellReport& report);
 
-/// Arranges points (in an order whose every beginning is well spread) as a hierarchy: fills position_T, normal_T, area_m2
-/// in breadth-first order, radius_m, child_begin, child_end, level_begin.
+/// Arranges points (in an order whose every beginning is well spread) as a hierarchy: fills position_T, normal_T,
+/// area_m2 in breadth-first order, radius_m, child_begin, child_end, level_begin.
 void build_hierarchy(const std::vector<Vec3>& positions, const std::vector<Vec3>& normals,
                      const std::vector<double>& areas, int levels, Pointshell& shell);
 

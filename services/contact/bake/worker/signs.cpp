@@ -127,7 +127,8 @@ class Solver {
     const std::size_t n = parts_.blocks.size();
     labels_.resize(n);
     const double cell_steps = 32767 * parts_.grid.voxel_m / parts_.grid.range_m();
-    parallel_stage("regions", n, progress_, [&](std::size_t i) { labels_[i] = label_block(parts_.blocks[i], cell_steps); });
+    parallel_stage("regions", n, progress_,
+                   [&](std::size_t i) { labels_[i] = label_block(parts_.blocks[i], cell_steps); });
     first_part_.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
       first_part_[i] = first_far_;
@@ -165,7 +166,8 @@ class Solver {
         const auto node = [&](const CoarseEntry& entry, std::size_t index, int at) -> std::uint32_t {
           if (!entry.stored()) return far(index);
           c[axis] = at;
-          const std::uint8_t l = labels_[entry.slot()].of[static_cast<std::size_t>(FieldBlock::index(c[0], c[1], c[2]))];
+          const std::uint8_t l =
+              labels_[entry.slot()].of[static_cast<std::size_t>(FieldBlock::index(c[0], c[1], c[2]))];
           return l == kAlone ? ~0u : part(entry.slot(), l);
         };
         const std::uint32_t p = node(a, low, kBlockCells), q = node(b, high, 0);
@@ -233,7 +235,8 @@ class Solver {
       Sign s = sign_[regions.find(far(i))];
       if (s == leaking) {
         bool close = false;
-        const auto n = static_cast<std::size_t>(parts_.grid.blocks[0]), m = static_cast<std::size_t>(parts_.grid.blocks[1]);
+        const auto n = static_cast<std::size_t>(parts_.grid.blocks[0]),
+                   m = static_cast<std::size_t>(parts_.grid.blocks[1]);
         const auto x = static_cast<int>(i % n), y = static_cast<int>(i / n % m), z = static_cast<int>(i / n / m);
         s = vote(parts_.grid.block_centre_O(x, y, z), close) ? inside : outside;
         if (close) entry.slot_and_flags |= CoarseEntry::kDoubtful;
@@ -283,7 +286,8 @@ class Solver {
       if (of[static_cast<std::size_t>(c)] != label) continue;
       const int x = c % kBlockCorners, y = c / kBlockCorners % kBlockCorners, z = c / (kBlockCorners * kBlockCorners);
       const auto octant = static_cast<std::size_t>((x > 4 ? 1 : 0) + (y > 4 ? 2 : 0) + (z > 4 ? 4 : 0));
-      if (best[octant] < 0 || q[static_cast<std::size_t>(c)] > q[static_cast<std::size_t>(best[octant])]) best[octant] = c;
+      if (best[octant] < 0 || q[static_cast<std::size_t>(c)] > q[static_cast<std::size_t>(best[octant])])
+        best[octant] = c;
     }
     for (const int c : best) {
       bool close = false;
@@ -296,12 +300,12 @@ class Solver {
   const Surface& surface_;
   const StageProgress& progress_;
   SignReport report_;
-  std::vector<std::array<int, 3>> block_at_;   ///< by slot
-  std::vector<Labels> labels_;                 ///< by slot
-  std::vector<std::uint32_t> first_part_;      ///< by slot: node of its region 0
-  std::uint32_t first_far_ = 0;                ///< nodes from here on are unstored blocks, by block index
+  std::vector<std::array<int, 3>> block_at_;  ///< by slot
+  std::vector<Labels> labels_;                ///< by slot
+  std::vector<std::uint32_t> first_part_;     ///< by slot: node of its region 0
+  std::uint32_t first_far_ = 0;               ///< nodes from here on are unstored blocks, by block index
   std::vector<std::uint8_t> part_inside_, part_close_;
-  std::vector<Sign> sign_;                     ///< by node, at roots
+  std::vector<Sign> sign_;  ///< by node, at roots
   std::atomic<std::size_t> alone_ = 0, close_ = 0;
 };
 

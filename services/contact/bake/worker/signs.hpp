@@ -9,10 +9,10 @@
 namespace tact::contact {
 
 struct SignReport {
-  std::size_t components = 0;         ///< regions that no surface separates
-  std::size_t leaking = 0;            ///< of those, regions that are neither all inside nor all outside: open mesh
-  std::size_t voted_corners = 0;      ///< corners too near the surface to belong to a region
-  std::size_t close_votes = 0;        ///< Vote::close
+  std::size_t components = 0;     ///< regions that no surface separates
+  std::size_t leaking = 0;        ///< of those, regions that are neither all inside nor all outside: open mesh
+  std::size_t voted_corners = 0;  ///< corners too near the surface to belong to a region
+  std::size_t close_votes = 0;    ///< Vote::close
   std::size_t doubtful_blocks = 0;
 };
 

@@ -19,7 +19,8 @@ std::vector<std::uint32_t> weld(const std::vector<Eigen::Vector3f>& vertices, do
     return static_cast<std::int64_t>(std::floor(static_cast<double>(p[axis]) / (2 * tolerance) + offset));
   };
   const auto key = [](std::int64_t x, std::int64_t y, std::int64_t z) {
-    return static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15ull ^ static_cast<std::uint64_t>(y) * 0xC2B2AE3D27D4EB4Full ^
+    return static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15ull ^
+           static_cast<std::uint64_t>(y) * 0xC2B2AE3D27D4EB4Full ^
            static_cast<std::uint64_t>(z) * 0x165667B19E3779F9ull;
   };
   std::unordered_multimap<std::uint64_t, std::uint32_t> kept;
@@ -50,7 +51,7 @@ std::vector<std::uint32_t> weld(const std::vector<Eigen::Vector3f>& vertices, do
 struct Edge {
   std::uint32_t a, b;  ///< a < b
   std::uint32_t triangle;
-  bool forward;        ///< the triangle runs from a to b
+  bool forward;  ///< the triangle runs from a to b
 };
 
 bool same_edge(const Edge& x, const Edge& y) { return x.a == y.a && x.b == y.b; }

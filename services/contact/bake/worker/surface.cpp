@@ -5,8 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-
-#include "fault/fault.hpp"
+#include <new>
 
 namespace tact::contact {
 
@@ -17,7 +16,7 @@ struct Surface::Scene {
   explicit Scene(const std::vector<std::array<float, 3>>& vertices,
                  const std::vector<std::array<std::uint32_t, 3>>& triangles) {
     device = rtcNewDevice(nullptr);
-    TACT_CHECK(device != nullptr);
+    if (device == nullptr) throw std::bad_alloc();
     scene = rtcNewScene(device);
     // Robust: no ray slips through a shared edge. Context filter: counts crossings.
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
@@ -85,7 +84,6 @@ struct Nearest {
   double square;
   double hair;
 };
-
 
 struct Gather {
   std::size_t most;
@@ -179,7 +177,8 @@ Vote Surface::vote(const Vec3& p) const {
     for (int i = 0; i < kPairs; ++i) {
       const int k = i * 5 % kPairs;
       const double z = 1 - (k + 0.5) / kPairs, a = k * 2.399963229728653;  // half a sphere
-      d[static_cast<std::size_t>(i)] = turn * Vec3(std::sqrt(1 - z * z) * std::cos(a), std::sqrt(1 - z * z) * std::sin(a), z);
+      d[static_cast<std::size_t>(i)] =
+          turn * Vec3(std::sqrt(1 - z * z) * std::cos(a), std::sqrt(1 - z * z) * std::sin(a), z);
     }
     return d;
   }();

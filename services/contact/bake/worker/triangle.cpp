@@ -19,8 +19,8 @@ inline double square_distance_to(const Triangle& t, double x, double y, double z
     const double out = px * t.side[i][0] + py * t.side[i][1] + pz * t.side[i][2];
     outermost = i == 0 || out > outermost ? out : outermost;
   }
-  const double height = (x - t.corner[0][0]) * t.normal[0] + (y - t.corner[0][1]) * t.normal[1] +
-                        (z - t.corner[0][2]) * t.normal[2];
+  const double height =
+      (x - t.corner[0][0]) * t.normal[0] + (y - t.corner[0][1]) * t.normal[1] + (z - t.corner[0][2]) * t.normal[2];
   const double plane = height * height * t.inverse_normal;
   const bool over = outermost <= 0 && t.inverse_normal > 0;
   return over && plane < nearest_edge ? plane : nearest_edge;

@@ -1,0 +1,377 @@
+// Real files through the real child process.
+#include "contact/bake/baked_scene.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <set>
+#include <thread>
+
+#include "contact/bake/content_key.hpp"
+#include "contact/model/pointshell.hpp"
+#include "fault/fault.hpp"
+#include "field/distance_field.hpp"
+#include "mesh/mesh.hpp"
+#include "support/process.hpp"
+#include "test_meshes.hpp"
+
+namespace tact::contact {
+namespace {
+
+constexpr const char* kBake = TACT_BAKE_PROGRAM;
+
+void write_obj(const Mesh& mesh, const std::filesystem::path& path) {
+  std::ofstream file(path);
+  file.precision(9);
+  for (const auto& v : mesh.vertices) file << "v " << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
+  for (const auto& t : mesh.triangles) file << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+}
+
+class BakedSceneTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    cache_ = scratch_.path() / "cache";
+    scene_.name = "test";
+    scene_.obstacle.mesh = file("block.obj");
+    scene_.obstacle.unit = "mm";
+    scene_.tool.shape = "box";
+    scene_.field_resolution = 32;
+    scene_.points = 300;
+    write_obj(test::box_mesh(Vec3(0, 0, 0), Vec3(50, 30, 20)), scene_.obstacle.mesh);
+  }
+
+  std::filesystem::path file(const std::string& name) const { return scratch_.path() / name; }
+  void write(const std::string& name, const std::string& text) {
+    std::ofstream(file(name), std::ios::binary) << text;
+    scene_.obstacle.mesh = file(name);
+  }
+  BakedScene bake(const std::string& program = kBake) const { return ensure_baked(scene_, cache_, {}, program); }
+
+  /// The one error a bake ends in; it must name the mesh file.
+  std::string refusal(const std::string& program = kBake) const {
+    try {
+      bake(program);
+    } catch (const SetupError& error) {
+      EXPECT_NE(std::string(error.what()).find(scene_.obstacle.mesh.string()), std::string::npos) << error.what();
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "one line";
+      return error.what();
+    }
+    return "accepted";
+  }
+  std::string script(const std::string& body) const {
+    const auto path = scratch_.path() / "stand-in";
+    std::ofstream(path) << "#!/bin/sh\n" << body << '\n';
+    ::chmod(path.c_str(), 0755);
+    return path.string();
+  }
+
+  test::ScratchDir scratch_;
+  std::filesystem::path cache_;
+  SceneSpec scene_;
+};
+
+bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST_F(BakedSceneTest, BakesOnceAndThenFindsItInTheCache) {
+  std::set<std::string> stages;
+  const BakedScene first = ensure_baked(
+      scene_, cache_,
+      [&](const BakeStep& step) {
+        EXPECT_TRUE(step.fraction >= 0 && step.fraction <= 1);
+        stages.insert(step.part + " " + step.stage);
+        return true;
+      },
+      kBake);
+  EXPECT_TRUE(stages.count("obstacle distances") == 1 && stages.count("tool blue noise") == 1);
+  EXPECT_FALSE(first.obstacle.from_cache);
+  EXPECT_GT(first.obstacle.bake_seconds, 0);
+  EXPECT_GT(first.obstacle.bake_peak_bytes, 1u << 20);
+  const DistanceField field = DistanceField::open(first.obstacle.data, first.obstacle.hash);
+  EXPECT_NEAR(field.voxel_m(), 0.05 / 32, 1e-9);  // the unit was mm
+  EXPECT_NEAR(field.sample(Vec3(0.025, 0.015, 0.021)).value_m, 0.001, 1e-6);
+  EXPECT_LT(field.sample(Vec3(0.025, 0.015, 0.01)).value_m, 0);
+  EXPECT_EQ(load_mesh(first.obstacle.mesh).triangles.size(), 12u);
+  EXPECT_EQ(load_pointshell(first.tool.data, first.tool.hash).size(), 300u);
+  EXPECT_GT(first.largest_gap_voxels, 0);
+
+  const BakedScene second = bake("/no/such/program");  // nothing to bake, so nothing is started
+  EXPECT_TRUE(second.obstacle.from_cache && second.tool.from_cache);
+  EXPECT_EQ(second.obstacle.hash, first.obstacle.hash);
+  EXPECT_EQ(second.field_error_max_m, first.field_error_max_m);
+}
+
+TEST_F(BakedSceneTest, TheKeyFollowsTheContentNotTheName) {
+  const std::uint64_t key = obstacle_key(scene_);
+  const auto other = [&](auto&& change) {
+    SceneSpec changed = scene_;
+    change(changed);
+    return obstacle_key(changed);
+  };
+  EXPECT_EQ(other([](SceneSpec&) {}), key);
+  EXPECT_EQ(other([](SceneSpec& s) {
+              s.name = "another";
+              s.points = 7;
+              s.contact.p = 3;
+            }),
+            key);
+  EXPECT_EQ(other([&](SceneSpec& s) {
+              s.obstacle.mesh = file("copy.obj");
+              std::filesystem::copy_file(scene_.obstacle.mesh, s.obstacle.mesh);
+            }),
+            key);
+  EXPECT_NE(other([](SceneSpec& s) { s.obstacle.unit = "m"; }), key);
+  EXPECT_NE(other([](SceneSpec& s) { s.field_resolution = 33; }), key);
+  EXPECT_NE(other([](SceneSpec& s) { s.obstacle.sheet_thickness_m = 1e-3; }), key);
+  std::ofstream(scene_.obstacle.mesh, std::ios::app) << "\n";
+  EXPECT_NE(obstacle_key(scene_), key);
+  const std::uint64_t tool = tool_key(scene_);
+  scene_.points = 301;
+  EXPECT_NE(tool_key(scene_), tool);
+}
+
+TEST_F(BakedSceneTest, DamagedFilesAreBakedAnew) {
+  const BakedScene first = bake();
+  for (const auto& path : {first.obstacle.data, first.obstacle.mesh, first.obstacle.report, first.tool.data}) {
+    std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+    const BakedScene again = bake();
+    EXPECT_NO_THROW(DistanceField::open(again.obstacle.data, again.obstacle.hash));
+    EXPECT_NO_THROW(load_pointshell(again.tool.data, again.tool.hash));
+    EXPECT_NO_THROW(load_mesh(again.obstacle.mesh));
+  }
+}
+
+TEST_F(BakedSceneTest, TwoAtOnceShareOneBake) {
+  BakedScene a, b;
+  std::thread other([&] { a = bake(); });
+  b = bake();
+  other.join();
+  EXPECT_NE(a.obstacle.from_cache, b.obstacle.from_cache);
+  EXPECT_EQ(a.obstacle.hash, b.obstacle.hash);
+}
+
+TEST_F(BakedSceneTest, NothingButTheCacheIsLeft) {
+  bake();
+  for (const auto& entry : std::filesystem::directory_iterator(cache_)) {
+    const std::string extension = entry.path().extension();
+    EXPECT_TRUE(extension == ".field" || extension == ".shell" || extension == ".mesh" || extension == ".json" ||
+                extension == ".lock")
+        << entry.path();
+  }
+}
+
+TEST_F(BakedSceneTest, MissingEmptyAndUnknownFilesAreRefused) {
+  scene_.obstacle.mesh = file("missing.obj");
+  EXPECT_TRUE(says(refusal(), "cannot read the mesh file"));
+  write("empty.stl", "");
+  EXPECT_TRUE(says(refusal(), "empty"));
+  write("part.step", "ISO-10303-21;");
+  EXPECT_TRUE(says(refusal(), "unknown mesh format \".step\""));
+}
+
+TEST_F(BakedSceneTest, AMeshWithoutAUnitIsRefused) {
+  scene_.obstacle.unit = "";
+  EXPECT_TRUE(says(refusal(), "unit"));
+}
+
+TEST_F(BakedSceneTest, TruncatedAndHostileFilesAreRefused) {
+  std::string stl(84 + 50, '\0');
+  stl[80] = 100;  // announces 100 triangles, holds one
+  write("truncated.stl", stl);
+  EXPECT_NE(refusal(), "accepted");
+  stl.assign(84, '\0');
+  stl[80] = stl[81] = stl[82] = stl[83] = '\xff';  // 4 billion
+  write("boast.stl", stl);
+  EXPECT_NE(refusal(), "accepted");
+  write("noise.glb", "glTF\x02" + std::string(500, '\x7f'));
+  EXPECT_NE(refusal(), "accepted");
+  write("noise.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n");
+  EXPECT_NE(refusal(), "accepted");
+  write("noise.dae", "<COLLADA><library_geometries>");
+  EXPECT_NE(refusal(), "accepted");
+  write("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99\n");
+  EXPECT_NE(refusal(), "accepted");
+}
+
+TEST_F(BakedSceneTest, VerticesThatAreNotFiniteAreRefused) {
+  write("nan.obj", "v 0 0 0\nv 1 0 0\nv nan 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n");
+  EXPECT_TRUE(says(refusal(), "finite"));
+  std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\ninf 1 0\n3 0 1 2\n";
+  write("inf.ply", ply);
+  EXPECT_NE(refusal(), "accepted");
+}
+
+TEST_F(BakedSceneTest, MeshesWithoutTrianglesOrExtentAreRefused) {
+  write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n");
+  EXPECT_NE(refusal(), "accepted");
+  write("flat.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n");
+  EXPECT_NE(refusal(), "accepted");
+  write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  EXPECT_TRUE(says(refusal(), "degenerate"));
+}
+
+TEST_F(BakedSceneTest, HugeCoordinatesAreRefused) {
+  Mesh far = test::box_mesh(Vec3(0, 0, 0), Vec3(1, 1, 1));
+  for (auto& v : far.vertices) v.x() += 1e6f;
+  write_obj(far, file("far.obj"));
+  scene_.obstacle.mesh = file("far.obj");
+  EXPECT_TRUE(says(refusal(), "too far"));
+  write("big.obj", "v 0 0 0\nv 1e20 0 0\nv 0 1e20 0\nv 0 0 1e20\nf 1 2 3\nf 1 2 4\n");
+  EXPECT_TRUE(says(refusal(), "check the unit"));
+}
+
+TEST_F(BakedSceneTest, ACrashOfTheChildIsOneClearError) {
+  EXPECT_TRUE(says(refusal(script("kill -SEGV $$")), "crashed (Segmentation fault)"));
+  EXPECT_TRUE(says(refusal(script("kill -KILL $$")), "killed (out of memory?)"));
+  EXPECT_TRUE(says(refusal(script("exit 3")), "left with code 3"));
+  EXPECT_TRUE(says(refusal(script("echo '{\"part\":\"obstacle\"'; echo noise; kill -ABRT $$")), "crashed (Aborted)"));
+}
+
+TEST_F(BakedSceneTest, AChildThatLiesAboutSuccessIsFoundOut) {
+  try {
+    bake(script("exit 0"));
+    FAIL();
+  } catch (const SetupError& error) {
+    EXPECT_TRUE(says(error.what(), "do not read back")) << error.what();
+  }
+}
+
+TEST_F(BakedSceneTest, AMissingProgramIsOneClearError) {
+  try {
+    bake("/no/such/program");
+    FAIL();
+  } catch (const SetupError& error) {
+    EXPECT_TRUE(says(error.what(), "cannot start the bake")) << error.what();
+  }
+}
+
+#ifndef TACT_SANITIZED
+TEST_F(BakedSceneTest, LackOfMemoryIsOneClearError) {
+  scene_.field_resolution = 1024;
+  const std::string message = refusal(script("ulimit -v 120000; exec " + std::string(kBake) + " \"$@\""));
+  EXPECT_TRUE(says(message, "memory") || says(message, "crashed")) << message;
+}
+#endif
+
+TEST_F(BakedSceneTest, AFullDiskIsOneClearError) {
+  // A limit on the file size fails the write as a full disk does.
+  std::string message;
+  try {
+    bake(script("trap '' XFSZ; ulimit -f 8; exec " + std::string(kBake) + " \"$@\""));
+  } catch (const SetupError& error) {
+    message = error.what();
+  }
+  EXPECT_TRUE(says(message, "cannot write")) << message;
+}
+
+TEST_F(BakedSceneTest, AnUnwritableCacheIsOneClearError) {
+  std::ofstream(scratch_.path() / "cache") << "a file";
+  try {
+    bake();
+    FAIL();
+  } catch (const SetupError& error) {
+    EXPECT_TRUE(says(error.what(), "cache folder")) << error.what();
+  }
+}
+
+TEST_F(BakedSceneTest, CancellingKillsTheChild) {
+  scene_.field_resolution = 400;
+  int calls = 0;
+  EXPECT_THROW(ensure_baked(
+                   scene_, cache_, [&](const BakeStep&) { return ++calls < 3; }, kBake),
+               SetupError);
+  scene_.field_resolution = 32;
+  EXPECT_NO_THROW(bake());  // and leaves the cache usable
+}
+
+/// A glTF whose node turns and moves its part, in a file beside it.
+TEST_F(BakedSceneTest, NodeTransformsAreApplied) {
+  const Mesh box = test::box_mesh(Vec3(0, 0, 0), Vec3(1, 2, 3));
+  {
+    std::ofstream bin(file("box.bin"), std::ios::binary);
+    bin.write(reinterpret_cast<const char*>(box.vertices.data()),
+              static_cast<std::streamsize>(12 * box.vertices.size()));
+    bin.write(reinterpret_cast<const char*>(box.triangles.data()),
+              static_cast<std::streamsize>(12 * box.triangles.size()));
+  }
+  const std::string gltf = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+    "nodes":[{"children":[1],"translation":[10,0,0]},{"mesh":0,"rotation":[0,0,0.7071067811865476,0.7071067811865476]}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
+    "buffers":[{"uri":"box.bin","byteLength":240}],
+    "bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":96},{"buffer":0,"byteOffset":96,"byteLength":144}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":8,"type":"VEC3","min":[0,0,0],"max":[1,2,3]},
+                 {"bufferView":1,"componentType":5125,"count":36,"type":"SCALAR"}]})";
+  write("box.gltf", gltf);
+  scene_.obstacle.unit = "cm";
+  const BakedScene baked = bake();
+  Eigen::Vector3f low = Eigen::Vector3f::Constant(1e9f), high = -low;
+  for (const auto& v : load_mesh(baked.obstacle.mesh).vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  EXPECT_NEAR((low - Eigen::Vector3f(0.08f, 0, 0)).norm(), 0, 1e-6);  // turned by 90 degrees about z, then moved
+  EXPECT_NEAR((high - Eigen::Vector3f(0.10f, 0.01f, 0.03f)).norm(), 0, 1e-6);
+  // The vertices live in another file: it is part of the content.
+  const std::uint64_t key = obstacle_key(scene_);
+  std::ofstream(file("box.bin"), std::ios::binary | std::ios::app) << "x";
+  EXPECT_NE(obstacle_key(scene_), key);
+}
+
+TEST_F(BakedSceneTest, EveryFormatGivesTheSameBody) {
+  const Mesh box = test::box_mesh(Vec3(0, 0, 0), Vec3(50, 30, 20));
+  std::ofstream stl(file("block.stl")), ply(file("block.ply"));
+  stl << "solid b\n";
+  for (const auto& t : box.triangles) {
+    stl << "facet normal 0 0 0\nouter loop\n";
+    for (const auto i : t) stl << "vertex " << box.vertices[i].transpose() << '\n';
+    stl << "endloop\nendfacet\n";
+  }
+  stl << "endsolid b\n";
+  ply << "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement face "
+         "12\n"
+         "property list uchar int vertex_indices\nend_header\n";
+  for (const auto& v : box.vertices) ply << v.transpose() << '\n';
+  for (const auto& t : box.triangles) ply << "3 " << t[0] << ' ' << t[1] << ' ' << t[2] << '\n';
+  stl.close();
+  ply.close();
+  const DistanceField wanted = DistanceField::open(bake().obstacle.data);
+  for (const char* name : {"block.stl", "block.ply"}) {
+    scene_.obstacle.mesh = file(name);
+    const BakedScene baked = bake();
+    EXPECT_TRUE(baked.obstacle.warnings.empty());
+    const DistanceField field = DistanceField::open(baked.obstacle.data);
+    for (double x = -0.005; x < 0.055; x += 0.0007) {
+      EXPECT_EQ(field.sample(Vec3(x, 0.3 * x, 0.019)).value_m, wanted.sample(Vec3(x, 0.3 * x, 0.019)).value_m);
+    }
+  }
+}
+
+TEST_F(BakedSceneTest, WhatWasRepairedOrDoubtfulIsSaid) {
+  write_obj(test::unwelded(test::doubly_faced(test::box_mesh(Vec3(0, 0, 0), Vec3(50, 30, 20)))), file("double.obj"));
+  scene_.obstacle.mesh = file("double.obj");
+  const BakedScene twice = bake();
+  ASSERT_EQ(twice.obstacle.warnings.size(), 1u);
+  EXPECT_TRUE(says(twice.obstacle.warnings[0], "12 of 24 triangles were coincident copies (12 turned over)"));
+  Mesh open = test::box_mesh(Vec3(0, 0, 0), Vec3(50, 30, 20));
+  open.triangles.resize(10);
+  write_obj(open, file("open.obj"));
+  scene_.obstacle.mesh = file("open.obj");
+  const BakedScene holed = bake();
+  ASSERT_GE(holed.obstacle.warnings.size(), 2u);
+  EXPECT_TRUE(says(holed.obstacle.warnings[0], "1 of 1 parts are open (4 boundary edges)"));
+}
+
+TEST_F(BakedSceneTest, TheProgramExplainsItself) {
+  test::Process help({kBake, "--help"}, file("help.log"));
+  EXPECT_EQ(help.wait(std::chrono::seconds(20)), 0);
+  EXPECT_TRUE(says(help.output(), "--scene") && says(help.output(), "Example"));
+  test::Process nothing({kBake, "--cache", cache_.string()}, file("nothing.log"));
+  EXPECT_EQ(nothing.wait(std::chrono::seconds(20)), 2);
+  EXPECT_TRUE(says(nothing.output(), "--scene FILE"));
+}
+
+}  // namespace
+}  // namespace tact::contact
