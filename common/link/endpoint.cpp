@@ -47,7 +47,7 @@ dds_entity_t checked(dds_entity_t entity, const std::string& what) {
 
 Endpoint::Endpoint(const Participant& participant, const wire::TopicInfo& info, Role role,
                    const std::string& incarnation)
-    : role_(role) {
+    : role_(role), info_(info) {
   TACT_CHECK(participant.kind() == info.channel);
   const std::string name = topic_name(participant, info, incarnation);
   dds_qos_t* qos = make_qos(info);
@@ -61,6 +61,7 @@ Endpoint::Endpoint(const Participant& participant, const wire::TopicInfo& info, 
   checked(topic_, "topic " + name);
   checked(entity_, (role == Role::writer ? "writer of " : "reader of ") + name);
   if (role == Role::reader) {
+    scratch_.resize(static_cast<const dds_topic_descriptor_t*>(info.descriptor)->m_size);
     waitset_ = checked(dds_create_waitset(participant.entity()), "waitset of " + name);
     const dds_entity_t condition = checked(dds_create_readcondition(entity_, DDS_ANY_STATE), "condition of " + name);
     checked(dds_waitset_attach(waitset_, condition, 0), "waitset of " + name);
@@ -71,14 +72,18 @@ Endpoint::~Endpoint() {
   if (waitset_ > 0) dds_delete(waitset_);
   if (entity_ > 0) dds_delete(entity_);
   if (topic_ > 0) dds_delete(topic_);
+  if (!scratch_.empty()) wire::free_contents(scratch_.data(), info_);
 }
 
 bool Endpoint::write(const void* sample) noexcept { return dds_write(entity_, sample) == DDS_RETCODE_OK; }
 
 bool Endpoint::take(void* sample) noexcept {
+  void* scratch = scratch_.data();
   dds_sample_info_t info;
-  while (dds_take(entity_, &sample, &info, 1, 1) == 1) {
-    if (info.valid_data) return true;  // otherwise: a writer came or went
+  while (dds_take(entity_, &scratch, &info, 1, 1) == 1) {
+    if (!info.valid_data) continue;  // a writer ended: the sample is all zeros
+    std::swap_ranges(scratch_.begin(), scratch_.end(), static_cast<std::byte*>(sample));
+    return true;
   }
   return false;
 }

@@ -1,6 +1,8 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "link/participant.hpp"
 
@@ -27,6 +29,8 @@ class Endpoint {
  private:
   std::int32_t topic_ = 0, entity_ = 0, waitset_ = 0;
   Role role_;
+  const wire::TopicInfo& info_;
+  std::vector<std::byte> scratch_;  // reader: one sample. What says only that a writer ended must not touch the caller's
 };
 
 }  // namespace detail
@@ -57,8 +61,8 @@ class Subscriber {
   explicit Subscriber(const Participant& participant, const std::string& incarnation = {})
       : endpoint_(participant, wire::topic_info<T>(), detail::Endpoint::Role::reader, incarnation) {}
 
-  /// The oldest message not yet taken; false when there is none. `out` keeps its sequences' memory for the next call:
-  /// for types with sequences pass a Message<T>. Haptic: frees memory of Cyclone's, allocates none.
+  /// The oldest message not yet taken; false when there is none, and `out` is untouched then. Sequences' memory is used
+  /// again by later calls: for types with sequences pass a Message<T>. Haptic: frees memory of Cyclone's, allocates none.
   bool take(T& out) noexcept { return endpoint_.take(&out); }
   /// The newest, dropping older ones; false when there is none.
   bool take_newest(T& out) noexcept {

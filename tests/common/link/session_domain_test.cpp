@@ -88,6 +88,27 @@ TEST(SessionDomain, SequencesArriveWhole) {
   }
 }
 
+TEST(SessionDomain, TheEndOfAWriterLeavesTheReadersCopyAlone) {
+  const Session session = named("f");
+  const Participant participant(wire::Channel::session, session);
+  Subscriber<wire::SceneInfo> subscriber(participant);
+  wire::Message<wire::SceneInfo> in;
+  {
+    Publisher<wire::SceneInfo> publisher(participant);
+    wire::LoadedPart part{};
+    wire::SceneInfo out{};
+    wire::set_text(out.scene, "alpha");
+    out.loaded._buffer = &part;
+    out.loaded._length = out.loaded._maximum = 1;
+    publisher.write(out);
+    ASSERT_TRUE(test::eventually([&] { return subscriber.take_newest(in); }));
+  }
+  subscriber.wait(1'000'000'000);
+  EXPECT_FALSE(subscriber.take_newest(in));
+  EXPECT_STREQ(in.scene, "alpha");
+  EXPECT_EQ(in.loaded._length, 1u);
+}
+
 TEST(SessionDomain, ALateReaderGetsTheScene) {
   const Session session = named("e");
   const Participant participant(wire::Channel::session, session);
