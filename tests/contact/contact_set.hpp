@@ -23,7 +23,7 @@ struct ContactSet {
 
   void add(const Vec3& position, const Vec3& normal, double depth) { add(position, normal, depth, normal); }
   void add(const Vec3& position, const Vec3& normal, double depth, const Vec3& gradient) {
-    r.push_back(rounded_to_float(position));   // as the shell stores them
+    r.push_back(rounded_to_float(position));  // as the shell stores them
     N.push_back(rounded_to_float(normal.normalized()));
     g.push_back(gradient);
     depth_m.push_back(depth);
@@ -88,7 +88,8 @@ inline ContactSet flat_face(int nx, int ny, double side_m, double depth) {
   ContactSet set;
   for (int i = 0; i < nx; ++i)
     for (int j = 0; j < ny; ++j) {
-      set.add(Vec3(side_m * (i + 0.5) / nx - side_m / 2, side_m * (j + 0.5) / ny - side_m / 2, 0), Vec3::UnitZ(), depth);
+      set.add(Vec3(side_m * (i + 0.5) / nx - side_m / 2, side_m * (j + 0.5) / ny - side_m / 2, 0), Vec3::UnitZ(),
+              depth);
     }
   return set;
 }

@@ -5,7 +5,7 @@ namespace {
 
 /// Twist of To relative to the field body, in O.
 Twist relative_twist_O(const ToolQuery& q, const Quat& q_WO) noexcept {
-  const Vec3 v_To = q.V_WO.linear + q.V_WO.angular.cross(q.X_WT.p - q.X_WO.p);   // of the field body's point at To
+  const Vec3 v_To = q.V_WO.linear + q.V_WO.angular.cross(q.X_WT.p - q.X_WO.p);  // of the field body's point at To
   const Quat q_OW = q_WO.conjugate();
   return {q_OW * (q.V_WT.linear - v_To), q_OW * (q.V_WT.angular - q.V_WO.angular)};
 }

@@ -20,16 +20,16 @@ struct ToolQuery {
 
 /// The answer: the contact wrench on the tool about To and its derivatives, all in W.
 struct ContactResult {
-  Pose X_WT, X_WO;                 ///< poses answered
-  Response response_W;             ///< F, G, K, B, see assemble.hpp
-  std::size_t contact_count = 0;   ///< contacts rendered
-  std::size_t dropped = 0;         ///< contacts beyond capacity
-  double max_depth_m = 0;          ///< deepest shell point
-  double clearance_m = 0;          ///< no shell point is nearer the surface; 0 in contact
-  double stiffness_n_per_m = 0;    ///< k in force
-  double x_max_m = 0;              ///< F_max = k x_max
+  Pose X_WT, X_WO;                ///< poses answered
+  Response response_W;            ///< F, G, K, B, see assemble.hpp
+  std::size_t contact_count = 0;  ///< contacts rendered
+  std::size_t dropped = 0;        ///< contacts beyond capacity
+  double max_depth_m = 0;         ///< deepest shell point
+  double clearance_m = 0;         ///< no shell point is nearer the surface; 0 in contact
+  double stiffness_n_per_m = 0;   ///< k in force
+  double x_max_m = 0;             ///< F_max = k x_max
   std::uint64_t params_version = 0;
-  std::uint32_t status = 0;        ///< Status bits
+  std::uint32_t status = 0;  ///< Status bits
 };
 
 /// From pose to wrench: traverse, weigh, assemble. One thread steps; any other one changes parameters.

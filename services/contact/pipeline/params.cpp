@@ -8,7 +8,8 @@ namespace tact::contact {
 namespace {
 
 void require(bool ok, const char* key, double found, const char* expected) {
-  if (!ok) throw SetupError(std::string("contact.") + key + ": found " + std::to_string(found) + ", expected " + expected);
+  if (!ok)
+    throw SetupError(std::string("contact.") + key + ": found " + std::to_string(found) + ", expected " + expected);
 }
 
 int whole(const char* key, double value) {

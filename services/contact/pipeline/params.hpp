@@ -11,10 +11,10 @@ namespace tact::contact {
 struct PipelineParams {
   std::string law = "potential";
   LawParams law_params;
-  double stiffness_n_per_m = 0;    ///< k of a lonely contact
-  double x_max_m = 0;              ///< depth at which coupling saturates: F_max = k x_max, eq. 15
-  double damping_n_s_per_m = 0;    ///< b of a lonely contact
-  std::uint64_t version = 0;       ///< echoed with every result
+  double stiffness_n_per_m = 0;  ///< k of a lonely contact
+  double x_max_m = 0;            ///< depth at which coupling saturates: F_max = k x_max, eq. 15
+  double damping_n_s_per_m = 0;  ///< b of a lonely contact
+  std::uint64_t version = 0;     ///< echoed with every result
 };
 
 /// From a scene: x_max = x_max_voxels * voxel; k = stiffness_n_per_m, or f_max_n / x_max when that is 0;

@@ -7,11 +7,11 @@ namespace tact::contact {
 /// The contact wrench on the tool about To and its derivatives, all in one frame (O when assembled, W after rotated()).
 /// x = (translation of To, left rotation increment of the tool), V the twist of the tool relative to the field body.
 struct Response {
-  Wrench F;                    ///< N, Nm
-  Mat6 G = Mat6::Zero();       ///< dF/dx: exact while the contact set stays; not symmetric, maybe indefinite. To extrapolate
-  Mat6 K = Mat6::Zero();       ///< stiffness, symmetric positive semidefinite. For the implicit solve
-  Mat6 B = Mat6::Zero();       ///< contact damping, symmetric positive semidefinite: the damping part of F is -B V
-  std::uint32_t status = 0;    ///< Status::capped when a damping force was limited
+  Wrench F;               ///< N, Nm
+  Mat6 G = Mat6::Zero();  ///< dF/dx: exact while the contact set stays; not symmetric, maybe indefinite. To extrapolate
+  Mat6 K = Mat6::Zero();  ///< stiffness, symmetric positive semidefinite. For the implicit solve
+  Mat6 B = Mat6::Zero();  ///< contact damping, symmetric positive semidefinite: the damping part of F is -B V
+  std::uint32_t status = 0;  ///< Status::capped when a damping force was limited
 };
 
 /// Sums the weighed contacts, [P] eq. 1 and 9. With s_i = (N_i, r_i x N_i), sh_i = (g_i, r_i x g_i):

@@ -12,7 +12,7 @@ namespace tact::contact {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr int kReach = 2;   // a cell has side eps / sqrt 3: eps reaches into the second neighbour
+constexpr int kReach = 2;  // a cell has side eps / sqrt 3: eps reaches into the second neighbour
 
 }  // namespace
 

@@ -28,7 +28,7 @@ class DirectionDensity {
     Vec3 v;
     std::uint32_t cell;
     std::uint32_t next = 0;
-    std::uint64_t tick = 0;   // of its last use: nothing needs clearing
+    std::uint64_t tick = 0;  // of its last use: nothing needs clearing
     double count = 0, phi = 0;
   };
   struct Cell {
@@ -49,7 +49,7 @@ class DirectionDensity {
   std::vector<std::uint32_t> class_of_;
   std::vector<Class> classes_;
   std::vector<Cell> cells_;
-  std::vector<std::uint32_t> neighbours_;   // cells of larger index that may lie within eps
+  std::vector<std::uint32_t> neighbours_;  // cells of larger index that may lie within eps
   std::vector<std::uint32_t> used_;
   std::size_t used_count_ = 0;
   std::uint64_t tick_ = 0;

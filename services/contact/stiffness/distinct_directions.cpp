@@ -13,8 +13,9 @@ DistinctDirections distinct_directions(std::span<const Vec3> directions) {
   };
   std::vector<std::uint32_t> order(directions.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(),
-            [&](auto a, auto b) { return std::tuple_cat(key(a), std::tuple(a)) < std::tuple_cat(key(b), std::tuple(b)); });
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) {
+    return std::tuple_cat(key(a), std::tuple(a)) < std::tuple_cat(key(b), std::tuple(b));
+  });
 
   // The first of each run of equals stands for the run; classes are then numbered in order of first appearance.
   std::vector<std::uint32_t> first(directions.size());

@@ -32,13 +32,14 @@ double lonely_scale(const PotentialDirections& u, int p, int q, const Vec3& n) {
 }  // namespace
 
 Potential::Potential(const Pointshell& shell, int p, int q, int directions, std::size_t capacity)
-    : p_(p), q_(q), directions_(directions), work_(std::min(capacity, shell.size())) {
+    : p_(p), q_(q), directions_(directions), work_(0) {
   std::vector<Vec3> normals(shell.size());
   for (std::size_t i = 0; i < normals.size(); ++i) normals[i] = shell.normal_T[i].cast<double>().normalized();
   DistinctDirections distinct = distinct_directions(normals);
   class_of_ = std::move(distinct.class_of);
   classes_.reserve(distinct.direction.size());
   for (const Vec3& n : distinct.direction) classes_.push_back({n, lonely_scale(directions_, p, q, n), 0, 0});
+  work_ = PotentialWorkspace(std::min(capacity, classes_.size()));
 }
 
 void Potential::weigh(ContactBuffer& contacts) noexcept {

@@ -27,7 +27,7 @@ class Potential final : public Law {
   void include_weight_derivative(Mat6& ss, Mat6& sh) const noexcept override;
 
  private:
-  struct Class {       // points of equal normal
+  struct Class {  // points of equal normal
     Vec3 n_T;
     double gamma;
     std::uint64_t tick;   // of its last use: nothing needs clearing

@@ -1,9 +1,12 @@
 // Compiled once for each instruction set (Highway's foreach_target), chosen at run time.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "contact/stiffness/potential_kernel.cpp"
+// The order matters: what follows foreach_target.h is compiled for every target.
 #include <hwy/foreach_target.h>
+// clang-format off
 #include <hwy/highway.h>
 #include <hwy/contrib/math/math-inl.h>
+// clang-format on
 
 #include "contact/stiffness/potential_kernel.hpp"
 
@@ -90,10 +93,10 @@ HWY_INLINE void run_with(const PotentialDirections& directions, int p, Power pow
     const V A = hn::LoadU(d, sums);
     const V log_A = hn::Log(d, hn::Max(A, smallest));
     const V active = hn::IfThenElseZero(hn::Gt(A, smallest), hn::LoadU(d, directions.active.data() + u));
-    const V scale = hn::Mul(active, hn::Exp(d, hn::Mul(hn::Set(d, inverse_p - 1), log_A)));   // A^(1/p - 1)
-    const V norm = hn::Exp(d, hn::Mul(hn::Set(d, inverse_p), log_A));                         // A^(1/p)
+    const V scale = hn::Mul(active, hn::Exp(d, hn::Mul(hn::Set(d, inverse_p - 1), log_A)));  // A^(1/p - 1)
+    const V norm = hn::Exp(d, hn::Mul(hn::Set(d, inverse_p), log_A));                        // A^(1/p)
 
-    const V slope = hn::Mul(scale, norm);   // A^(2/p - 1)
+    const V slope = hn::Mul(scale, norm);  // A^(2/p - 1)
     for (std::size_t g = 0; g < work.size; ++g) {
       const V beta = hn::LoadU(d, work.beta.data() + g * lanes);
       double* HWY_RESTRICT partial = work.partial.data() + g * lanes;

@@ -11,11 +11,11 @@ namespace tact::contact {
 
 /// What one traversal found besides the contacts.
 struct Findings {
-  double max_depth_m = 0;       ///< deepest shell point; also of dropped ones
+  double max_depth_m = 0;  ///< deepest shell point; also of dropped ones
   /// No shell point is nearer the zero of the field than this, so no smaller motion touches; 0 in contact. Within a
   /// small factor of the true distance, but not accurate below half a voxel.
   double clearance_m = 0;
-  std::uint32_t status = 0;     ///< Status bits
+  std::uint32_t status = 0;  ///< Status bits
   std::size_t nodes_visited = 0;
 };
 
@@ -49,7 +49,7 @@ class Traversal {
     std::uint32_t id;
   };
   struct Range {
-    std::uint32_t begin, end;   // nodes of one level
+    std::uint32_t begin, end;  // nodes of one level
   };
 
   void keep_deepest(ContactBuffer& contacts, Findings& found) noexcept;

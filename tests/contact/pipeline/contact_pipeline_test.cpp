@@ -47,7 +47,7 @@ TEST(ContactPipeline, PushesTheToolAwayFromTheBodyUnderEveryLaw) {
       ASSERT_GT(r.contact_count, 0u);
       EXPECT_EQ(r.contact_count, pipeline.contacts().size);
       EXPECT_GT(r.response_W.F.force.dot((q.X_WT.p - q.X_WO.p).normalized()), 0.9 * r.response_W.F.force.norm());
-      EXPECT_LT(r.response_W.F.torque.norm(), 0.02 * 0.02 * r.response_W.F.force.norm());   // normals through To
+      EXPECT_LT(r.response_W.F.torque.norm(), 0.02 * 0.02 * r.response_W.F.force.norm());  // normals through To
       EXPECT_EQ(r.clearance_m, 0);
       EXPECT_GT(r.max_depth_m, 0.0005);
       EXPECT_LT(r.max_depth_m, 0.0012);
@@ -77,7 +77,7 @@ TEST(ContactPipeline, GIsTheDerivativeOfTheWrenchInTheWorld) {
           const ContactResult& r = pipeline.step(moved);
           smooth = smooth && r.contact_count == base.contact_count;
           for (std::size_t i = 0; i < r.contact_count && smooth; ++i) {
-            smooth = (pipeline.contacts().g[i] - gradient[i]).norm() < 1e-4;   // a cell face is a jump of g
+            smooth = (pipeline.contacts().g[i] - gradient[i]).norm() < 1e-4;  // a cell face is a jump of g
           }
           side[s] = r.response_W.F.vector();
         }
@@ -114,10 +114,10 @@ TEST(ContactPipeline, OnlyTheMotionRelativeToTheBodyIsDamped) {
   ContactPipeline pipeline(sphere_field(), shell(), 4096, p);
   ToolQuery q = touching(rng);
   const Vec6 still = pipeline.step(q).response_W.F.vector();
-  q.V_WO = {Vec3(0.1, -0.2, 0.3), Vec3(1, 2, -3)};   // both carried along as one rigid body
+  q.V_WO = {Vec3(0.1, -0.2, 0.3), Vec3(1, 2, -3)};  // both carried along as one rigid body
   q.V_WT = {q.V_WO.linear + q.V_WO.angular.cross(q.X_WT.p - q.X_WO.p), q.V_WO.angular};
   EXPECT_LT((pipeline.step(q).response_W.F.vector() - still).norm(), 1e-9 * still.norm());
-  q.V_WT.linear += 1e-3 * still.head<3>().normalized();   // leaving
+  q.V_WT.linear += 1e-3 * still.head<3>().normalized();  // leaving
   const Vec6 leaving = pipeline.step(q).response_W.F.vector();
   EXPECT_LT(leaving.head<3>().norm(), still.head<3>().norm());
 }
@@ -163,7 +163,7 @@ TEST(ContactPipeline, ParametersChangeBetweenStepsAndAreEchoed) {
   PipelineParams unknown = params("none", 3);
   unknown.law = "gravity";
   EXPECT_THROW(pipeline.set_params(unknown), SetupError);
-  EXPECT_EQ(pipeline.step(q).params_version, 2u);   // the old ones stay in force
+  EXPECT_EQ(pipeline.step(q).params_version, 2u);  // the old ones stay in force
 
   pipeline.set_params(params("global", 4));
   EXPECT_EQ(pipeline.step(q).params_version, 4u);

@@ -23,7 +23,7 @@ TEST(Handover, TheReaderAdoptsTheNewestAndNothingIsLostOrFreedTwice) {
     handover.submit(std::make_unique<Counted>(1));
     handover.submit(std::make_unique<Counted>(2));
     EXPECT_EQ(handover.current().value, 2);
-    EXPECT_EQ(Counted::alive, 2);   // the old one waits to be freed
+    EXPECT_EQ(Counted::alive, 2);  // the old one waits to be freed
     handover.submit(std::make_unique<Counted>(3));
     EXPECT_EQ(Counted::alive, 2);
     EXPECT_EQ(handover.current().value, 3);
@@ -46,7 +46,7 @@ TEST(Handover, TwoThreadsSeeValuesInOrder) {
       last = now;
     }
     writer.join();
-    handover.submit(std::make_unique<Counted>(5001));   // frees what the reader left
+    handover.submit(std::make_unique<Counted>(5001));  // frees what the reader left
     EXPECT_EQ(handover.current().value, 5001);
   }
   EXPECT_EQ(Counted::alive, 0);

@@ -64,7 +64,7 @@ TEST(Assemble, APointInAPlaneIsPushedOutAsByASpring) {
   const auto law = make_law("none", {}, set.shell(), 1);
   const Response a = respond(*law, set.buffer(), 1000);
   EXPECT_NEAR(a.F.force.z(), 2.0, 1e-6);
-  EXPECT_NEAR(a.F.torque.y(), -0.2, 1e-6);   // (0.1, 0, 0) x (0, 0, 2)
+  EXPECT_NEAR(a.F.torque.y(), -0.2, 1e-6);  // (0.1, 0, 0) x (0, 0, 2)
   EXPECT_NEAR(a.K(2, 2), 1000, 1e-6);
   EXPECT_NEAR(a.G(2, 2), -1000, 1e-6);
   EXPECT_EQ(a.B.norm(), 0);
@@ -77,7 +77,7 @@ TEST(Assemble, GIsTheDerivativeOfTheWrenchForEveryLaw) {
     const ContactSet points = points_in(field, rng, 60, 0.05);
     const Pose X_OT;
     LawParams params;
-    params.epsilon = 0.2;   // so that the adaptive laws have something to weigh
+    params.epsilon = 0.2;  // so that the adaptive laws have something to weigh
     for (const std::string_view name : law_names()) {
       const auto law = make_law(name, params, points.shell(), points.size());
       const double k = 2e4;

@@ -36,7 +36,7 @@ void expect_equal_to_brute_force(const ContactSet& set, double epsilon) {
   ContactBuffer b = set.buffer();
   Adaptive3Dof three(shell, epsilon);
   Adaptive6Dof six(shell, epsilon, 1e-3);
-  for (int again = 0; again < 2; ++again) {   // nothing of one query leaks into the next
+  for (int again = 0; again < 2; ++again) {  // nothing of one query leaks into the next
     three.weigh(b);
     const auto w3 = brute_force(set, epsilon, 1e-3, false);
     for (std::size_t i = 0; i < set.size(); ++i) ASSERT_NEAR(b.weight[i], w3[i], 1e-12 + 1e-10 * w3[i]) << i;
@@ -48,7 +48,8 @@ void expect_equal_to_brute_force(const ContactSet& set, double epsilon) {
 
 TEST(Adaptive, EqualsTheDoubleSumForScatteredNormals) {
   std::mt19937 rng(3);
-  for (const double epsilon : {1e-4, 0.01, 0.3, 2.0}) expect_equal_to_brute_force(test::random_contacts(rng, 400), epsilon);
+  for (const double epsilon : {1e-4, 0.01, 0.3, 2.0})
+    expect_equal_to_brute_force(test::random_contacts(rng, 400), epsilon);
 }
 
 TEST(Adaptive, EqualsTheDoubleSumForClustersOfEverySpread) {
@@ -101,7 +102,7 @@ TEST(Adaptive, TorqueDirectionsFadeOutContinuouslyAsTheLeverVanishes) {
     }
     before = b.weight[0];
   }
-  EXPECT_NEAR(before, 0.5, 1e-3);   // no torque at all: alike in both maps
+  EXPECT_NEAR(before, 0.5, 1e-3);  // no torque at all: alike in both maps
 }
 
 TEST(Adaptive, TenThousandEqualNormalsShareOneStiffness) {

@@ -130,7 +130,8 @@ TEST(Law, ThePapersLawsDoNotBalanceTwoWallsOfUnequalSampling) {
 }
 
 TEST(Law, PotentialCarriesEqualLoadOnTwoWallsAtNearlyEqualDepth) {
-  // Equal load needs n_1 depth_1^(p-1) = n_2 depth_2^(p-1): 1000:14 contacts are 1.84 : 1 in depth at p = 8, 1.33 at 16.
+  // Equal load needs n_1 depth_1^(p-1) = n_2 depth_2^(p-1): 1000:14 contacts are 1.84 : 1 in depth at p = 8, 1.33
+  // at 16.
   for (const auto& [p, expected] : {std::pair{8, 1.84}, std::pair{16, 1.33}}) {
     LawParams params;
     params.p = p;

@@ -38,8 +38,8 @@ std::vector<double> definition(const ContactSet& set, int p, int q) {
     double A = 0;
     for (std::size_t i = 0; i < set.size(); ++i) A += beta(i, j) * std::pow(gamma[i] * set.depth_m[i], p);
     for (std::size_t i = 0; i < set.size(); ++i) {
-      w[i] += c * gamma[i] * gamma[i] * beta(i, j) *
-              std::pow(std::pow(gamma[i] * set.depth_m[i], p) / A, (p - 2.0) / p);
+      w[i] +=
+          c * gamma[i] * gamma[i] * beta(i, j) * std::pow(std::pow(gamma[i] * set.depth_m[i], p) / A, (p - 2.0) / p);
     }
   }
   return w;
@@ -172,7 +172,7 @@ TEST(Potential, HugeRangesOfDepthNeitherOverflowNorVanish) {
     ContactSet set = test::random_contacts(rng, 60);
     for (auto& d : set.depth_m) d = std::pow(10, test::uniform(rng, -40, 2));
     set.add(Vec3(0.01, 0, 0), Vec3::UnitZ(), 1.0);
-    set.add(Vec3(0.01, 0, 0), -Vec3::UnitZ(), 1e-9);   // straight opposite: alone in its directions
+    set.add(Vec3(0.01, 0, 0), -Vec3::UnitZ(), 1e-9);  // straight opposite: alone in its directions
     for (const int p : {2, 16, 64}) {
       Potential law(set.shell(), p, 64, kDirections, set.size());
       ContactBuffer b = set.buffer();

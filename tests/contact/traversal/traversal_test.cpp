@@ -31,7 +31,8 @@ DistanceField plate_field() {
 }
 
 Pose random_pose(std::mt19937& rng, double reach) {
-  return {reach * std::pow(test::uniform(rng, 0, 1), 0.5) * test::random_unit(rng), exp_so3(3 * test::random_unit(rng))};
+  return {reach * std::pow(test::uniform(rng, 0, 1), 0.5) * test::random_unit(rng),
+          exp_so3(3 * test::random_unit(rng))};
 }
 
 std::map<std::uint32_t, double> brute_force(const DistanceField& field, const Pointshell& shell, const Pose& X_OT) {
@@ -75,7 +76,7 @@ TEST(Traversal, FindsExactlyWhatBruteForceFinds) {
     }
   }
   EXPECT_GT(touching, 200u);
-  EXPECT_LT(visited, all / 2);   // it does skip
+  EXPECT_LT(visited, all / 2);  // it does skip
 }
 
 TEST(Traversal, NoPointIsNearerThanTheClearance) {
@@ -158,7 +159,7 @@ TEST(Traversal, DepthBeyondTheBandIsFlagged) {
   const auto shell = std::make_shared<const Pointshell>(test::sphere_shell(rng, 200, 0.005));
   Traversal traversal(field, shell);
   ContactBuffer contacts(shell->size());
-  const Findings found = traversal.find({}, contacts);   // in the middle of the body
+  const Findings found = traversal.find({}, contacts);  // in the middle of the body
   EXPECT_EQ(contacts.size, 200u);
   EXPECT_NE(found.status & bit(Status::beyond_band), 0u);
   EXPECT_DOUBLE_EQ(found.max_depth_m, field.band_m());
@@ -197,7 +198,7 @@ TEST(Traversal, APoseThatIsNotRigidYieldsNoContacts) {
     EXPECT_EQ(found.clearance_m, 0);
     EXPECT_EQ(found.status, bit(Status::pose_invalid));
   }
-  EXPECT_GT(traversal.find({}, contacts).max_depth_m, 0);   // and goes on
+  EXPECT_GT(traversal.find({}, contacts).max_depth_m, 0);  // and goes on
 }
 
 TEST(Traversal, FarAwayPosesAreAnsweredFromAFewNodes) {
