@@ -19,7 +19,7 @@ cv::Point subpixel(double x, double y) {
 void text(cv::Mat& mat, const std::string& words, double x, double y, double size, const cv::Scalar& colour, Align align) {
   constexpr double kCapital = 21;  // height of a capital letter of this font at scale 1
   const double scale = size / kCapital;
-  const int thickness = size > 15 ? 2 : 1;
+  const int thickness = size > 15.5 ? 2 : 1;
   if (align != Align::left) {
     int baseline = 0;
     const double width = cv::getTextSize(words, cv::FONT_HERSHEY_DUPLEX, scale, thickness, &baseline).width;

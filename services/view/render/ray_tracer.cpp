@@ -209,7 +209,9 @@ struct RayTracer::Trees {
     const float key = std::max(0.0f, N.dot(light));
     const float sky = 0.30f + 0.14f * N.z() + 0.20f * std::max(0.0f, N.dot(fill));
     const float bright = sky + (lit ? 0.85f * key : 0.10f * key);
-    const float shine = lit ? 0.16f * std::pow(std::max(0.0f, N.dot((light - view).normalized())), 48.0f) : 0.0f;
+    const float mirror = std::max(0.0f, N.dot((light - view).normalized()));
+    const float mirror4 = mirror * mirror * mirror * mirror, mirror16 = mirror4 * mirror4 * mirror4 * mirror4;
+    const float shine = lit ? 0.16f * mirror16 * mirror16 * mirror16 : 0.0f;
     return bright * albedo + Vec3f::Constant(shine);
   }
 

@@ -32,6 +32,7 @@ void WebClient::accept(HttpRequest request) {
   websocket::stream_base::timeout timeout{std::chrono::seconds(10), kSilence, true};
   socket_.set_option(timeout);
   socket_.read_message_max(loop_.options.max_message_bytes);
+  socket_.auto_fragment(false);
   socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
     if (error) return;
     self->last_read_ = std::chrono::steady_clock::now();
