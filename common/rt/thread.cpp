@@ -43,7 +43,7 @@ std::vector<std::string> apply(const ThreadOptions& options) {
 }
 
 /// Touches the stack below this frame so that the body takes no page fault there.
-[[gnu::noinline]] int prefault_stack(std::size_t bytes) {
+[[gnu::noinline]] [[maybe_unused]] int prefault_stack(std::size_t bytes) {
   constexpr std::size_t kStep = 16 * 1024;
   volatile std::uint8_t page[kStep];
   for (std::size_t i = 0; i < kStep; i += 1024) page[i] = 0;
@@ -54,7 +54,9 @@ std::vector<std::string> apply(const ThreadOptions& options) {
 extern "C" void* tact_thread_main(void* argument) {
   auto* start = static_cast<Start*>(argument);
   std::vector<std::string> missing = apply(start->options);
+#ifndef TACT_SANITIZED
   prefault_stack(start->options.stack_bytes / 2);
+#endif
   const std::function<void()> body = std::move(start->body);
   start->ready.set_value(std::move(missing));  // `start` lives in the constructor: gone from here on
   body();
@@ -68,7 +70,9 @@ Thread::Thread(const ThreadOptions& options, std::function<void()> body) {
   auto ready = start.ready.get_future();
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
+#ifndef TACT_SANITIZED  // which keep megabytes of their own on each stack
   pthread_attr_setstacksize(&attributes, options.stack_bytes);
+#endif
   pthread_t handle{};
   const int e = pthread_create(&handle, &attributes, tact_thread_main, &start);
   pthread_attr_destroy(&attributes);
