@@ -70,6 +70,7 @@ class Supervisor {
   std::string status_line() const;
   void announce();
   void write_report();
+  void keep_flight_records();  ///< of coupling's last seconds before a fault: beside the report
   void note(const std::string& name, const std::string& detail);  ///< a fault: on the terminal and in the report
 
   Service& service(const std::string& name);
@@ -91,7 +92,7 @@ class Supervisor {
   RestartPolicy set_policy_{3};
   Time next_roudi_look_{}, next_measure_{}, next_show_{}, last_progress_{}, loading_since_{};
   std::optional<Time> script_done_at_;
-  bool script_reported_ = false;
+  bool script_reported_ = false, url_shown_ = false;
   std::string fatal_;  ///< not empty: the session ends by this fault
 };
 

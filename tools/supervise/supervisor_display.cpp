@@ -20,19 +20,19 @@ std::string text(const char* format, Args... args) {
   return buffer;
 }
 
-std::string url(const Session& session) {
-  std::string host = session.machine.bind;
-  if (host == "0.0.0.0" || host == "::") host = "localhost";  // any address of this machine
-  if (host.find(':') != std::string::npos) host = "[" + host + "]";
-  return "http://" + host + ":" + std::to_string(session.machine.port) + "/?token=" + session.machine.token;
-}
-
 }  // namespace
 
 void Supervisor::show() {
   const auto now = Clock::now();
   if (now < next_show_) return;
   next_show_ = now + kRefresh;
+  if (!url_shown_ && session_.machine.view) {
+    std::ifstream file(run_dir_.path() / "view_url");  // tact-view writes it once it listens
+    if (std::string url; std::getline(file, url) && !url.empty()) {
+      url_shown_ = true;
+      console_.line("Open " + url);
+    }
+  }
   if (monitor_->begun()) {
     console_.status(status_line());
     return;
@@ -82,7 +82,6 @@ void Supervisor::announce() {
     memory += (memory.empty() ? "" : ", ") + s->name + text(" %.0f MB", s->use.resident_mb);
   }
   console_.line("  memory " + memory);
-  if (session_.machine.view) console_.line("  open   " + url(session_));
   console_.line("  logs   " + run_dir_.path().string());
 }
 
@@ -100,6 +99,7 @@ void Supervisor::write_report() {
     out << report::to_json(report) << std::flush;
     if (!out) throw SetupError("--report: " + options_.report.string() + " could not be written: is the disk full?");
     console_.line("Report: " + options_.report.string());
+    keep_flight_records();
   }
   std::filesystem::path plot = options_.plot;
   if (plot.empty() && !options_.report.empty()) plot = std::filesystem::path(options_.report).replace_extension(".png");
@@ -110,6 +110,18 @@ void Supervisor::write_report() {
     console_.line("Plot: " + plot.string());
   } catch (const SetupError& e) {
     console_.line(std::string("! no plot: ") + e.what());
+  }
+}
+
+void Supervisor::keep_flight_records() {
+  for (const auto& entry : std::filesystem::directory_iterator(run_dir_.path())) {
+    const std::string name = entry.path().filename();
+    if (name.rfind("flight-", 0) != 0) continue;
+    auto kept = options_.report;
+    kept.replace_filename(options_.report.stem().string() + "-" + name);
+    std::error_code error;
+    std::filesystem::copy_file(entry.path(), kept, std::filesystem::copy_options::overwrite_existing, error);
+    console_.line(error ? "! " + kept.string() + ": " + error.message() : "Flight record of a fault: " + kept.string());
   }
 }
 

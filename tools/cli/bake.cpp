@@ -1,0 +1,72 @@
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.hpp"
+#include "contact/bake/baked_scene.hpp"
+#include "fault/fault.hpp"
+#include "service/stop_signal.hpp"
+#include "supervise/console.hpp"
+
+namespace tact::cli {
+namespace {
+
+using contact::BakedBody;
+using Json = nlohmann::ordered_json;
+
+template <class... Args>
+std::string text(const char* format, Args... args) {
+  char buffer[512];
+  std::snprintf(buffer, sizeof buffer, format, args...);
+  return buffer;
+}
+
+void print(supervise::Console& console, const char* part, const BakedBody& body) {
+  const std::string how = body.from_cache ? "from the cache, baked once in" : "baked in";
+  console.line(text("%-9s %s %.2f s with %.0f MB; %.1f MB", part, how.c_str(), body.bake_seconds,
+                    static_cast<double>(body.bake_peak_bytes) / 1e6, static_cast<double>(body.bytes) / 1e6));
+  console.line(text("%-9s   %s", "", body.data.c_str()));
+  console.line(text("%-9s   %s", "", body.report.c_str()));
+  for (const auto& warning : body.warnings) console.line(text("%-9s   ! %s", "", warning.c_str()));
+}
+
+Json json_of(const BakedBody& body) {
+  std::ifstream in(body.report);
+  return {{"file", body.data.string()},         {"from_cache", body.from_cache},
+          {"bake_seconds", body.bake_seconds},  {"bake_peak_bytes", body.bake_peak_bytes},
+          {"bytes", body.bytes},                {"warnings", body.warnings},
+          {"report", Json::parse(in, nullptr, false)}};
+}
+
+}  // namespace
+
+int bake(const RunOptions& options, bool json) {
+  const Session session = resolve(options);
+  const StopSignal stop;
+  supervise::Console console;
+  const auto cache = cache_dir(session.machine);
+  const contact::BakedScene baked = contact::ensure_baked(session.scene, cache, [&](const contact::BakeStep& step) {
+    if (!json) console.status(text("%-9s %3.0f %%  %s", step.part.c_str(), 100 * step.fraction, step.stage.c_str()));
+    return !stop.requested();
+  });
+  if (json) {
+    const Json report{{"scene", session.scene.name},
+                      {"voxel_m", baked.voxel_m},
+                      {"field_error_max_m", baked.field_error_max_m},
+                      {"field_error_rms_m", baked.field_error_rms_m},
+                      {"largest_gap_voxels", baked.largest_gap_voxels},
+                      {"obstacle", json_of(baked.obstacle)},
+                      {"tool", json_of(baked.tool)}};
+    console.line(report.dump(2, ' ', false, Json::error_handler_t::replace));
+    return 0;
+  }
+  console.line("Scene " + session.scene.name + text(": a voxel is %.4f mm", baked.voxel_m * 1e3));
+  print(console, "obstacle", baked.obstacle);
+  console.line(text("%-9s   field error: max %.4f, rms %.4f voxels", "", baked.field_error_max_m / baked.voxel_m,
+                    baked.field_error_rms_m / baked.voxel_m));
+  print(console, "tool", baked.tool);
+  console.line(text("%-9s   %d points, largest gap %.2f voxels", "", session.scene.points, baked.largest_gap_voxels));
+  return 0;
+}
+
+}  // namespace tact::cli
