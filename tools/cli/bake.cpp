@@ -1,3 +1,4 @@
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -32,9 +33,12 @@ void print(supervise::Console& console, const char* part, const BakedBody& body)
 
 Json json_of(const BakedBody& body) {
   std::ifstream in(body.report);
-  return {{"file", body.data.string()},         {"from_cache", body.from_cache},
-          {"bake_seconds", body.bake_seconds},  {"bake_peak_bytes", body.bake_peak_bytes},
-          {"bytes", body.bytes},                {"warnings", body.warnings},
+  return {{"file", body.data.string()},
+          {"from_cache", body.from_cache},
+          {"bake_seconds", body.bake_seconds},
+          {"bake_peak_bytes", body.bake_peak_bytes},
+          {"bytes", body.bytes},
+          {"warnings", body.warnings},
           {"report", Json::parse(in, nullptr, false)}};
 }
 
@@ -45,8 +49,11 @@ int bake(const RunOptions& options, bool json) {
   const StopSignal stop;
   supervise::Console console;
   const auto cache = cache_dir(session.machine);
+  const auto begun = std::chrono::steady_clock::now();
   const contact::BakedScene baked = contact::ensure_baked(session.scene, cache, [&](const contact::BakeStep& step) {
-    if (!json) console.status(text("%-9s %3.0f %%  %s", step.part.c_str(), 100 * step.fraction, step.stage.c_str()));
+    // Whatever takes longer than a second shows how far it is.
+    if (!json && std::chrono::steady_clock::now() - begun > std::chrono::seconds{1})
+      console.status(text("%-9s %3.0f %%  %s", step.part.c_str(), 100 * step.fraction, step.stage.c_str()));
     return !stop.requested();
   });
   if (json) {

@@ -104,7 +104,8 @@ int run_tact(int argc, char** argv) {
   auto* bake = app.add_subcommand("bake", "Bake a scene's distance field and pointshell now, and show the bake report");
   add_session_options(*bake, bake_arguments);
   bake->add_flag("--json", json, "The whole report as JSON");
-  bake->footer("Examples:\n  tact bake alpha\n  tact bake --obstacle housing.glb --tool pump.stl --unit mm --resolution 512");
+  bake->footer(
+      "Examples:\n  tact bake alpha\n  tact bake --obstacle housing.glb --tool pump.stl --unit mm --resolution 512");
   bake->callback([&] { code = tact::cli::bake(bake_arguments.options, json); });
 
   auto* scenes = app.add_subcommand("scenes", "List the scenes that come with Tact, and their scripts");

@@ -30,7 +30,8 @@ void write_plot(const std::string& title, const std::vector<Sample>& samples, co
   }
   std::fprintf(gnuplot,
                "EOD\nset multiplot layout 4,1 title %s noenhanced\n"
-               "set grid\nset autoscale xfix\nset offsets 0, 0, graph 0.05, 0\nset lmargin 10\nset rmargin 3\nunset key\nset yrange [0:*]\n"
+               "set grid\nset autoscale xfix\nset offsets 0, 0, graph 0.05, 0\nset lmargin 10\nset rmargin 3\nunset "
+               "key\nset yrange [0:*]\n"
                "set ylabel 'force [N]'\nplot $session using 1:2 with lines lc rgb '#c03020'\n"
                "set ylabel 'depth [voxels]'\nset yrange [0:0.6<*]\n"
                "plot $session using 1:3 with lines lc rgb '#2060c0', 0.5 with lines dt 2 lc rgb '#606060'\n"
