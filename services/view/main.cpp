@@ -25,7 +25,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::int64_t kPollNs = 16'000'000;        // the pace of the hand: 60 Hz
+constexpr std::int64_t kPollNs = 16'000'000;  // the pace of the hand: 60 Hz
 constexpr auto kStatusPeriod = std::chrono::milliseconds(100);
 constexpr auto kShotPatience = std::chrono::seconds(30);
 
@@ -91,11 +91,14 @@ int serve(const ServiceOptions& options, const std::filesystem::path& shot) {
   // Active: the server and the pictures have threads of their own, this one listens and speaks to the session.
   server.start({[&](ClientId client, bool control) { conversation.joined(client, control); },
                 [&](ClientId client) { conversation.left(client); },
-                [&](ClientId client, bool control, std::string_view text) { conversation.message(client, control, text, Clock::now()); }});
+                [&](ClientId client, bool control, std::string_view text) {
+                  conversation.message(client, control, text, Clock::now());
+                }});
   log_info("pictures at port ", server.port(), "; the address with its token is in ", url_file.string());
   feed.say("pictures at port " + std::to_string(server.port()));
-  PictureLoop pictures({}, shared, conversation, [&] { return server.clients() > 0; },
-                       [&](Slot slot, std::string bytes) { server.send_newest(slot, std::move(bytes)); });
+  PictureLoop pictures(
+      {}, shared, conversation, [&] { return server.clients() > 0; },
+      [&](Slot slot, std::string bytes) { server.send_newest(slot, std::move(bytes)); });
   ViewScene before;
   auto next_status = Clock::now();
   while (!stop.requested()) {
@@ -109,7 +112,8 @@ int serve(const ServiceOptions& options, const std::filesystem::path& shot) {
     next_status = now + kStatusPeriod;
     ViewScene scene = shared.copy();
     for (const std::string& event : change_events(before, scene)) server.send_event_to_all(event);
-    server.send_newest(Slot::status, status_json(scene, {conversation.holder(), server.clients(), pictures.frames_per_s(), pictures.cpu_ms_per_frame()}));
+    server.send_newest(Slot::status, status_json(scene, {conversation.holder(), server.clients(),
+                                                         pictures.frames_per_s(), pictures.cpu_ms_per_frame()}));
     before = std::move(scene);
   }
   if (conversation.holder() != 0) feed.publish(HandCommand{shared.copy().device.X_WM, false});

@@ -23,7 +23,8 @@ class BrowserTest : public ::testing::Test {
     browser = std::make_unique<Browser>();
   }
   void start_view() {
-    view = std::make_unique<test::Process>(std::vector<std::string>{TACT_VIEW, "--session", session.file().string()}, session.scratch.path() / "view.log");
+    view = std::make_unique<test::Process>(std::vector<std::string>{TACT_VIEW, "--session", session.file().string()},
+                                           session.scratch.path() / "view.log");
     ASSERT_TRUE(test::eventually([&] { return std::filesystem::exists(url_file()); })) << view->output();
     std::ifstream(url_file()) >> url;
   }
@@ -39,21 +40,33 @@ class BrowserTest : public ::testing::Test {
   }
   /// Pictures to look at, where TACT_SHOTS names a folder.
   void shot(const std::string& name) {
-    if (const char* folder = std::getenv("TACT_SHOTS")) browser->screenshot(std::filesystem::path(folder) / (name + ".png"));
+    if (const char* folder = std::getenv("TACT_SHOTS"))
+      browser->screenshot(std::filesystem::path(folder) / (name + ".png"));
   }
   Json centre() {
-    return browser->value("(() => { const r = document.getElementById('picture').getBoundingClientRect(); return [Math.round(r.x + r.width / 2), Math.round(r.y + r.height / 2), Math.round(r.height)]; })()");
+    return browser->value(
+        "(() => { const r = document.getElementById('picture').getBoundingClientRect(); return [Math.round(r.x + "
+        "r.width / 2), Math.round(r.y + r.height / 2), Math.round(r.height)]; })()");
   }
   /// Presses at the centre of the picture, moves, and stays pressed.
   void press_and_move(int dx, int dy, int button = 0) {
     const Json at = centre();
     const auto move = [](int x, int y) { return Json{{"type", "pointerMove"}, {"duration", 100}, {"x", x}, {"y", y}}; };
     const int x = at[0], y = at[1];
-    browser->perform({{{"type", "pointer"}, {"id", "mouse"}, {"parameters", {{"pointerType", "mouse"}}},
-                       {"actions", {move(x, y), {{"type", "pointerDown"}, {"button", button}}, move(x + dx / 2, y + dy / 2), move(x + dx, y + dy)}}}});
+    browser->perform({{{"type", "pointer"},
+                       {"id", "mouse"},
+                       {"parameters", {{"pointerType", "mouse"}}},
+                       {"actions",
+                        {move(x, y),
+                         {{"type", "pointerDown"}, {"button", button}},
+                         move(x + dx / 2, y + dy / 2),
+                         move(x + dx, y + dy)}}}});
   }
   void release(int button = 0) {
-    browser->perform({{{"type", "pointer"}, {"id", "mouse"}, {"parameters", {{"pointerType", "mouse"}}}, {"actions", {{{"type", "pointerUp"}, {"button", button}}}}}});
+    browser->perform({{{"type", "pointer"},
+                       {"id", "mouse"},
+                       {"parameters", {{"pointerType", "mouse"}}},
+                       {"actions", {{{"type", "pointerUp"}, {"button", button}}}}}});
   }
   void key(const char* type, const std::string& value) {
     browser->perform({{{"type", "key"}, {"id", "keyboard"}, {"actions", {{{"type", type}, {"value", value}}}}}});
@@ -61,7 +74,8 @@ class BrowserTest : public ::testing::Test {
   bool hand_moved(double metres) {
     return test::eventually([&] {
       const auto hands = session.hands();
-      return !hands.empty() && hands.back().hold && (from_wire(hands.back().X_WM).p - from_wire(hands.front().X_WM).p).norm() > metres;
+      return !hands.empty() && hands.back().hold &&
+             (from_wire(hands.back().X_WM).p - from_wire(hands.front().X_WM).p).norm() > metres;
     });
   }
 
@@ -74,8 +88,10 @@ class BrowserTest : public ::testing::Test {
 TEST_F(BrowserTest, ShowsALivePictureThatChangesAndTheNumbers) {
   open_page();
   ASSERT_TRUE(becomes("Number(document.body.dataset.pictures) > 20"));
-  const std::string sum = "(() => { const c = document.getElementById('picture'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
-                          " let s = 0; for (let i = 0; i < d.length; i += 97) s = (s * 31 + d[i]) % 1000003; return s; })()";
+  const std::string sum =
+      "(() => { const c = document.getElementById('picture'); const d = c.getContext('2d').getImageData(0, 0, c.width, "
+      "c.height).data;"
+      " let s = 0; for (let i = 0; i < d.length; i += 97) s = (s * 31 + d[i]) % 1000003; return s; })()";
   const Json first = browser->value(sum);
   EXPECT_TRUE(test::eventually([&] { return browser->value(sum) != first; }));
   EXPECT_TRUE(becomes("document.getElementById('contacts').textContent >= '14'"));
@@ -85,7 +101,9 @@ TEST_F(BrowserTest, ShowsALivePictureThatChangesAndTheNumbers) {
   // All four pictures are there: none is one plain colour.
   for (const char* id : {"picture", "gauss", "slice", "strips"}) {
     EXPECT_TRUE(becomes(std::string("(() => { const c = document.getElementById('") + id +
-                        "'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; for (let i = 0; i < d.length; i += 4) if (Math.abs(d[i] - d[0]) > 40) return true; return false; })()")) << id;
+                        "'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; for (let i = 0; "
+                        "i < d.length; i += 4) if (Math.abs(d[i] - d[0]) > 40) return true; return false; })()"))
+        << id;
   }
   EXPECT_EQ(browser->value("document.documentElement.scrollWidth <= window.innerWidth"), Json(true));
   shot("page");
@@ -119,7 +137,9 @@ TEST_F(BrowserTest, ShiftDraggingTurnsAndTheWheelMovesAlongTheView) {
   ASSERT_TRUE(test::eventually([&] { return !session.hands().back().hold; }));
   const Json at = centre();
   const Vec3 before = from_wire(session.hands().back().X_WM).p;
-  browser->perform({{{"type", "wheel"}, {"id", "wheel"}, {"actions", {{{"type", "scroll"}, {"x", at[0]}, {"y", at[1]}, {"deltaX", 0}, {"deltaY", 300}}}}}});
+  browser->perform({{{"type", "wheel"},
+                     {"id", "wheel"},
+                     {"actions", {{{"type", "scroll"}, {"x", at[0]}, {"y", at[1]}, {"deltaX", 0}, {"deltaY", 300}}}}}});
   EXPECT_TRUE(test::eventually([&] { return (from_wire(session.hands().back().X_WM).p - before).norm() > 0.003; }));
   EXPECT_TRUE(test::eventually([&] { return !session.hands().back().hold; }));  // by itself
 }
@@ -160,12 +180,21 @@ TEST_F(BrowserTest, KeysMoveTheHand) {
 TEST_F(BrowserTest, LawStiffnessAndSaturationAreAskedForAndTheAnswerShown) {
   open_page();
   browser->run("const l = document.getElementById('law'); l.value = 'global'; l.dispatchEvent(new Event('change'))");
-  EXPECT_TRUE(test::eventually([&] { return session.parameters() == std::vector<std::pair<std::string, std::string>>{{"contact.law", "global"}}; }));
+  EXPECT_TRUE(test::eventually([&] {
+    return session.parameters() == std::vector<std::pair<std::string, std::string>>{{"contact.law", "global"}};
+  }));
   EXPECT_TRUE(becomes("document.getElementById('notice').textContent === 'Law is now global'"));
-  browser->run("const n = document.getElementById('stiffness-number'); n.value = 5000; n.dispatchEvent(new Event('change'))");
-  EXPECT_TRUE(test::eventually([&] { return session.parameters().size() == 2 && session.parameters()[1] == std::pair<std::string, std::string>("contact.stiffness_n_per_m", "5000"); }));
+  browser->run(
+      "const n = document.getElementById('stiffness-number'); n.value = 5000; n.dispatchEvent(new Event('change'))");
+  EXPECT_TRUE(test::eventually([&] {
+    return session.parameters().size() == 2 &&
+           session.parameters()[1] == std::pair<std::string, std::string>("contact.stiffness_n_per_m", "5000");
+  }));
   browser->run("document.getElementById('saturation').click()");
-  EXPECT_TRUE(test::eventually([&] { return session.parameters().size() == 3 && session.parameters()[2] == std::pair<std::string, std::string>("coupling.saturation", "false"); }));
+  EXPECT_TRUE(test::eventually([&] {
+    return session.parameters().size() == 3 &&
+           session.parameters()[2] == std::pair<std::string, std::string>("coupling.saturation", "false");
+  }));
   browser->run("const l = document.getElementById('law'); l.value = 'none'; l.dispatchEvent(new Event('change'))");
   EXPECT_TRUE(becomes("document.getElementById('notice').textContent.includes('refused for the test')"));
   EXPECT_TRUE(becomes("document.getElementById('law').value === 'global'"));  // what is in force comes back

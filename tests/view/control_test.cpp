@@ -17,7 +17,9 @@ using std::chrono::milliseconds;
 class ConversationTest : public ::testing::Test {
  protected:
   ConversationTest()
-      : conversation(shared, [this](std::uint64_t client, const std::string& json) { said.emplace_back(client, Json::parse(json)); }) {
+      : conversation(shared, [this](std::uint64_t client, const std::string& json) {
+          said.emplace_back(client, Json::parse(json));
+        }) {
     shared.update([](ViewScene& scene) {
       scene.age_s = 0;
       scene.device.X_WH = {Vec3(0.1, 0, 0), Quat::Identity()};
@@ -25,7 +27,9 @@ class ConversationTest : public ::testing::Test {
     });
     conversation.set_home(frame_ball(Vec3::Zero(), 0.2), 1.0);
   }
-  void say(std::uint64_t client, const std::string& text, bool control = true) { conversation.message(client, control, text, now); }
+  void say(std::uint64_t client, const std::string& text, bool control = true) {
+    conversation.message(client, control, text, now);
+  }
   Json last() const { return said.empty() ? Json() : said.back().second; }
 
   SharedScene shared;
@@ -100,7 +104,8 @@ TEST_F(ConversationTest, NothingCanBeHeldBeforeADeviceIsThere) {
 
 TEST_F(ConversationTest, WithoutControlNothingChanges) {
   const Camera camera = conversation.camera();
-  for (const char* text : {R"({"type":"take"})", R"({"type":"orbit","yaw":1})", R"({"type":"set","key":"contact.law","value":"none"})"}) {
+  for (const char* text :
+       {R"({"type":"take"})", R"({"type":"orbit","yaw":1})", R"({"type":"set","key":"contact.law","value":"none"})"}) {
     say(1, text, false);
     EXPECT_EQ(last()["type"], "error");
   }
@@ -110,8 +115,9 @@ TEST_F(ConversationTest, WithoutControlNothingChanges) {
 }
 
 TEST_F(ConversationTest, NonsenseIsAnsweredAndChangesNothing) {
-  for (const char* text : {"", "{", "[]", "7", "null", "{}", R"({"type":7})", R"({"type":"fly"})", R"({"type":"set"})", R"({"type":"set","key":7,"value":"x"})",
-                           R"({"type":"orbit","yaw":"far"})", R"({"type":"set","key":"machine.force_limit_n","value":"1000"})", "\xff\xfe"}) {
+  for (const char* text : {"", "{", "[]", "7", "null", "{}", R"({"type":7})", R"({"type":"fly"})", R"({"type":"set"})",
+                           R"({"type":"set","key":7,"value":"x"})", R"({"type":"orbit","yaw":"far"})",
+                           R"({"type":"set","key":"machine.force_limit_n","value":"1000"})", "\xff\xfe"}) {
     const std::size_t before = said.size();
     say(1, text);
     ASSERT_EQ(said.size(), before + 1) << text;
@@ -158,7 +164,8 @@ TEST_F(ConversationTest, AChangeIsAskedForAndItsAnswerToldToAll) {
 
 TEST_F(ConversationTest, ARefusalIsToldToWhoAsked) {
   say(3, R"({"type":"set","key":"contact.law","value":"magic"})");
-  conversation.answered({conversation.take_requests().at(0).request_id, "contact.law", "potential", false, "no such law"});
+  conversation.answered(
+      {conversation.take_requests().at(0).request_id, "contact.law", "potential", false, "no such law"});
   EXPECT_EQ(said.back().first, 3u);
   EXPECT_EQ(last()["message"], "no such law");
 }

@@ -15,8 +15,8 @@
 
 namespace tact::view::testing {
 
-/// The two services the view listens to, as far as it can tell: publishes a moving scene on the session's topics, answers
-/// parameters, writes down what the view asks for. A session file to start tact-view with.
+/// The two services the view listens to, as far as it can tell: publishes a moving scene on the session's topics,
+/// answers parameters, writes down what the view asks for. A session file to start tact-view with.
 class FakeSession {
  public:
   FakeSession() {
@@ -27,10 +27,13 @@ class FakeSession {
     session.machine.token = "secret-token";
     session.scene.name = "ring-and-peg";
     session.scene.obstacle.shape = session.scene.tool.shape = "box";
-    save_mesh(merged(torus(0.06f, 0.02f), box({0.09f, 0.09f, 0.004f}, {0, 0, -0.03f})), scratch.path() / "obstacle.mesh");
-    save_mesh(merged(box({0.025f, 0.025f, 0.06f}), box({0.06f, 0.008f, 0.008f}, {0, 0, 0.07f})), scratch.path() / "tool.mesh");
+    save_mesh(merged(torus(0.06f, 0.02f), box({0.09f, 0.09f, 0.004f}, {0, 0, -0.03f})),
+              scratch.path() / "obstacle.mesh");
+    save_mesh(merged(box({0.025f, 0.025f, 0.06f}), box({0.06f, 0.008f, 0.008f}, {0, 0, 0.07f})),
+              scratch.path() / "tool.mesh");
     const auto ring = [](const Vec3& p) { return torus_field(p, 0.06, 0.02); };
-    save_field(sample_distance(make_grid(Vec3(-0.08, -0.08, -0.02), Vec3(0.08, 0.08, 0.02), 0.001), ring), scratch.path() / "ring.field", 7);
+    save_field(sample_distance(make_grid(Vec3(-0.08, -0.08, -0.02), Vec3(0.08, 0.08, 0.02), 0.001), ring),
+               scratch.path() / "ring.field", 7);
   }
   ~FakeSession() { stop(); }
 

@@ -119,7 +119,8 @@ TEST(SlicePlaneChooser, PassesThroughTheDeepestContactAndShowsItsNormal) {
   SlicePlaneChooser chooser;
   const Vec3 p(0.01, 0.02, 0.03);
   for (int axis = 0; axis < 3; ++axis) {
-    const SlicePlane plane = chooser.choose(scene_with_contact(p, Vec3::Unit(axis)), Vec3(1, 1, 1).normalized(), Vec3::UnitZ());
+    const SlicePlane plane =
+        chooser.choose(scene_with_contact(p, Vec3::Unit(axis)), Vec3(1, 1, 1).normalized(), Vec3::UnitZ());
     EXPECT_LT((plane.centre_O - p).norm(), 1e-12);
     EXPECT_NEAR(plane.u_O.cross(plane.v_O).dot(Vec3::Unit(axis)), 0, 1e-12);
     EXPECT_NEAR(plane.u_O.dot(plane.v_O), 0, 1e-12);
@@ -128,7 +129,8 @@ TEST(SlicePlaneChooser, PassesThroughTheDeepestContactAndShowsItsNormal) {
 
 TEST(SlicePlaneChooser, SeesThePlaneFromTheViewersSide) {
   const Vec3 view = Vec3(-0.2, -0.3, 0.9).normalized();
-  const SlicePlane plane = SlicePlaneChooser().choose(scene_with_contact(Vec3::Zero(), Vec3::UnitX()), view, Vec3::UnitY());
+  const SlicePlane plane =
+      SlicePlaneChooser().choose(scene_with_contact(Vec3::Zero(), Vec3::UnitX()), view, Vec3::UnitY());
   EXPECT_GT(plane.u_O.cross(plane.v_O).dot(view), 0);
   EXPECT_GT(plane.v_O.dot(Vec3::UnitY()), 0.99);
 }
@@ -136,7 +138,8 @@ TEST(SlicePlaneChooser, SeesThePlaneFromTheViewersSide) {
 TEST(SlicePlaneChooser, DoesNotFlipBetweenNearlyEqualPlanes) {
   SlicePlaneChooser chooser;
   const auto normal = [&](double tilt) {
-    const SlicePlane plane = chooser.choose(scene_with_contact(Vec3::Zero(), Vec3::UnitZ()), Vec3(1 + tilt, 1 - tilt, 0).normalized(), Vec3::UnitZ());
+    const SlicePlane plane = chooser.choose(scene_with_contact(Vec3::Zero(), Vec3::UnitZ()),
+                                            Vec3(1 + tilt, 1 - tilt, 0).normalized(), Vec3::UnitZ());
     return Vec3(plane.u_O.cross(plane.v_O).cwiseAbs());
   };
   const Vec3 first = normal(0.05);

@@ -72,7 +72,8 @@ class ViewProgramTest : public ::testing::Test {
   void start() {
     session.start();
     start_view({});
-    ASSERT_TRUE(test::eventually([&] { return std::filesystem::exists(session.scratch.path() / "view_url"); })) << view->output();
+    ASSERT_TRUE(test::eventually([&] { return std::filesystem::exists(session.scratch.path() / "view_url"); }))
+        << view->output();
     std::string url;
     std::ifstream(session.scratch.path() / "view_url") >> url;
     port = static_cast<unsigned short>(std::stoi(url.substr(url.rfind(':') + 1)));
@@ -102,7 +103,10 @@ TEST_F(ViewProgramTest, APortThatIsTakenIsOneClearError) {
   save_session(session.session, session.file());
   start_view({});
   EXPECT_EQ(view->wait(seconds(30)), 2);
-  EXPECT_NE(view->output().find("machine.port: found " + std::to_string(other.local_endpoint().port()) + ", already in use"), std::string::npos) << view->output();
+  EXPECT_NE(
+      view->output().find("machine.port: found " + std::to_string(other.local_endpoint().port()) + ", already in use"),
+      std::string::npos)
+      << view->output();
 }
 
 TEST_F(ViewProgramTest, AShotIsOnePictureInAFile) {
@@ -161,9 +165,11 @@ TEST_F(ViewProgramTest, EndsWhenAskedAndLetsGoFirst) {
 class OtherNetwork {
  public:
   OtherNetwork() {
-    ready_ = run("ip netns add " + name_) && run("ip link add " + card_ + "a type veth peer name " + card_ + "b netns " + name_) &&
+    ready_ = run("ip netns add " + name_) &&
+             run("ip link add " + card_ + "a type veth peer name " + card_ + "b netns " + name_) &&
              run("ip addr add 10.213.77.1/30 dev " + card_ + "a") && run("ip link set " + card_ + "a up") &&
-             run("ip -n " + name_ + " addr add 10.213.77.2/30 dev " + card_ + "b") && run("ip -n " + name_ + " link set " + card_ + "b up");
+             run("ip -n " + name_ + " addr add 10.213.77.2/30 dev " + card_ + "b") &&
+             run("ip -n " + name_ + " link set " + card_ + "b up");
   }
   ~OtherNetwork() {
     run("ip link del " + card_ + "a");
@@ -196,18 +202,20 @@ TEST_F(ViewProgramTest, FromAnotherNetworkTheTokenOpensAndACutLinkLetsGo) {
   session.session.machine.bind = "0.0.0.0";
   start();
   const auto status = [&](const std::string& target) {
-    return network.inside([&, target] {
-      boost::asio::io_context io;
-      tcp::socket socket(io);
-      socket.connect({boost::asio::ip::make_address("10.213.77.1"), port});
-      http::request<http::empty_body> request{http::verb::get, target, 11};
-      request.set(http::field::host, "10.213.77.1:" + std::to_string(port));
-      http::write(socket, request);
-      boost::beast::flat_buffer buffer;
-      http::response<http::string_body> response;
-      http::read(socket, buffer, response);
-      return response.result_int();
-    }).get();
+    return network
+        .inside([&, target] {
+          boost::asio::io_context io;
+          tcp::socket socket(io);
+          socket.connect({boost::asio::ip::make_address("10.213.77.1"), port});
+          http::request<http::empty_body> request{http::verb::get, target, 11};
+          request.set(http::field::host, "10.213.77.1:" + std::to_string(port));
+          http::write(socket, request);
+          boost::beast::flat_buffer buffer;
+          http::response<http::string_body> response;
+          http::read(socket, buffer, response);
+          return response.result_int();
+        })
+        .get();
   };
   EXPECT_EQ(status("/"), 403u);
   EXPECT_EQ(status("/app.js"), 403u);

@@ -44,7 +44,8 @@ TEST(RayTracer, ASpheresOutlineHasTheRightArea) {
   tracer.trace(camera, {}, image);
   // The outline is where the cone of tangents passes: tan of its half angle over that of the half picture.
   const double tangent = std::tan(std::asin(0.1 / 1.0)), half_px = 120 / std::tan(camera.fov_y_rad / 2);
-  EXPECT_NEAR(count(image, reddish), M_PI * std::pow(tangent * half_px, 2), 0.02 * M_PI * std::pow(tangent * half_px, 2));
+  EXPECT_NEAR(count(image, reddish), M_PI * std::pow(tangent * half_px, 2),
+              0.02 * M_PI * std::pow(tangent * half_px, 2));
 }
 
 TEST(RayTracer, TheNearerBodyHidesTheFartherOne) {
@@ -78,7 +79,8 @@ TEST(RayTracer, ShadowsFallFromTheToolOntoTheObstacle) {
   tracer.trace(camera, {{}, {Vec3(0.1, 0, 0), Quat::Identity()}, {}}, near_by);
   int darker = 0;
   for (int y = 0; y < 240; ++y) {
-    for (int x = 0; x < 320; ++x) darker += bluish(near_by.at(x, y)) && near_by.at(x, y)[0] < far_away.at(x, y)[0] - 30 ? 1 : 0;
+    for (int x = 0; x < 320; ++x)
+      darker += bluish(near_by.at(x, y)) && near_by.at(x, y)[0] < far_away.at(x, y)[0] - 30 ? 1 : 0;
   }
   EXPECT_GT(darker, 200);
 }
@@ -119,7 +121,8 @@ TEST(RayTracer, BoundsHoldBothBodies) {
 TEST(ContactArrows, PointAlongTheNormalAndGrowWithForce) {
   ViewScene scene;
   scene.info.voxel_m = 1;  // no line to the hand
-  scene.contact_set.contacts = {testing::contact(Vec3(1, 0, 0), Vec3::UnitZ(), 1, 1e-4), testing::contact(Vec3(2, 0, 0), Vec3::UnitY(), 4, 1e-4)};
+  scene.contact_set.contacts = {testing::contact(Vec3(1, 0, 0), Vec3::UnitZ(), 1, 1e-4),
+                                testing::contact(Vec3(2, 0, 0), Vec3::UnitY(), 4, 1e-4)};
   const auto arrows = contact_arrows(scene, 0.1);
   ASSERT_EQ(arrows.size(), 2u);
   const auto length = [](const Arrow& a) { return (a.tip_W - a.tail_W).norm(); };
@@ -132,7 +135,8 @@ TEST(ContactArrows, PointAlongTheNormalAndGrowWithForce) {
 TEST(ContactArrows, AreTheStrongestWhenThereAreTooMany) {
   ViewScene scene;
   scene.info.voxel_m = 1;
-  for (int i = 0; i < 500; ++i) scene.contact_set.contacts.push_back(testing::contact(Vec3(i, 0, 0), Vec3::UnitZ(), (i * 37) % 500, 1e-4));
+  for (int i = 0; i < 500; ++i)
+    scene.contact_set.contacts.push_back(testing::contact(Vec3(i, 0, 0), Vec3::UnitZ(), (i * 37) % 500, 1e-4));
   const auto arrows = contact_arrows(scene, 0.1, 10);
   ASSERT_EQ(arrows.size(), 10u);
   for (const Arrow& arrow : arrows) EXPECT_GE((static_cast<int>(arrow.tail_W.x()) * 37) % 500, 490);
@@ -143,8 +147,9 @@ TEST(GaussMap, DotsSitAtTheirDirections) {
   const Camera camera = looking_down(1);  // from +x: y to the right, z up
   const double s = std::sqrt(0.5);
   // N = (s, s, 0) at r = (0, 0, 0.1): r x N = 0.1 (-s, s, 0), on the far side.
-  scene.contact_set.contacts = {testing::contact(Vec3(0, 0, 0.1), Vec3(s, s, 0), 1, 1e-4),
-                                testing::contact(Vec3(0.0, 0.1, 0), Vec3(0, s, s), 1, 1e-4)};  // r x N = 0.1 (s, 0, 0): the middle
+  scene.contact_set.contacts = {
+      testing::contact(Vec3(0, 0, 0.1), Vec3(s, s, 0), 1, 1e-4),
+      testing::contact(Vec3(0.0, 0.1, 0), Vec3(0, s, s), 1, 1e-4)};  // r x N = 0.1 (s, 0, 0): the middle
   const Image map = draw_gauss_map(scene, camera, 300);
   EXPECT_TRUE(reddish(map.at(static_cast<int>(150 + 0.42 * 300 * s), 150)));
   EXPECT_TRUE(reddish(map.at(static_cast<int>(150 + 0.42 * 300 * s), static_cast<int>(150 - 0.42 * 300 * s))));
@@ -193,7 +198,8 @@ TEST(FieldSlice, ShowsTheToolsCutAndTheContactsOnIt) {
   EXPECT_TRUE(reddish(slice.at(140 + 60, 140)));
   EXPECT_TRUE(reddish(slice.at(140 - 20, 150)));
   EXPECT_FALSE(reddish(slice.at(140 - 60, 140)));
-  scene.contact_set.contacts = {testing::contact(Vec3(-0.006, 0.003, 0), Vec3::UnitX(), 1, 1e-4), testing::contact(Vec3(-0.006, -0.008, 0.01), Vec3::UnitX(), 1, 1e-4)};
+  scene.contact_set.contacts = {testing::contact(Vec3(-0.006, 0.003, 0), Vec3::UnitX(), 1, 1e-4),
+                                testing::contact(Vec3(-0.006, -0.008, 0.01), Vec3::UnitX(), 1, 1e-4)};
   slice = draw_field_slice(far_away, plane, segments, scene, 280);
   EXPECT_TRUE(reddish(slice.at(140 - 60, 140 - 30)));
   EXPECT_FALSE(reddish(slice.at(140 - 60, 140 + 80)));  // ten voxels off the plane
@@ -261,7 +267,8 @@ TEST(Sheet, OfAWholeSceneCanBeLookedAt) {
   const auto timed = [](const char* what, auto&& work) {
     const std::clock_t start = std::clock();  // of this process: other work on the machine does not count
     for (int i = 0; i < 20; ++i) work();
-    std::printf("%-12s %6.2f ms of processor time\n", what, 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / 20);
+    std::printf("%-12s %6.2f ms of processor time\n", what,
+                1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / 20);
   };
   Image small(640, 480), picture(960, 720), map, slice, strips;
   timed("trace", [&] { tracer.trace(camera, placement, small); });
@@ -271,7 +278,10 @@ TEST(Sheet, OfAWholeSceneCanBeLookedAt) {
   SlicePlaneChooser chooser;
   const SlicePlane plane = chooser.choose(scene, camera.X_WE().R().col(2), camera.X_WE().R().col(1));
   const auto segments = cut(peg, scene.device.X_WM, plane);
-  timed("slice", [&] { slice = draw_field_slice([](const Vec3& p) { return testing::torus_field(p, 0.06, 0.02); }, plane, segments, scene, 345); });
+  timed("slice", [&] {
+    slice = draw_field_slice([](const Vec3& p) { return testing::torus_field(p, 0.06, 0.02); }, plane, segments, scene,
+                             345);
+  });
   timed("strips", [&] { strips = draw_strips(scene, 1325, 400); });
   write_png(compose_sheet("ring and peg: potential, k 20 kN/m", picture, map, slice, strips), path);
 }

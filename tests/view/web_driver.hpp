@@ -20,19 +20,34 @@ class Browser {
  public:
   using Json = nlohmann::json;
 
-  static bool available() { return std::filesystem::exists("/usr/bin/chromedriver") && std::filesystem::exists("/usr/bin/chromium"); }
+  static bool available() {
+    return std::filesystem::exists("/usr/bin/chromedriver") && std::filesystem::exists("/usr/bin/chromium");
+  }
 
   Browser() {
-    driver_ = std::make_unique<test::Process>(std::vector<std::string>{"/usr/bin/chromedriver", "--port=0"}, scratch_.path() / "driver.log",
+    driver_ = std::make_unique<test::Process>(std::vector<std::string>{"/usr/bin/chromedriver", "--port=0"},
+                                              scratch_.path() / "driver.log",
                                               std::map<std::string, std::string>{{"HOME", scratch_.path().string()}});
     const std::string started = "started successfully on port ";
-    if (!test::eventually([&] { return driver_->output().find(started) != std::string::npos; })) throw std::runtime_error("chromedriver did not start: " + driver_->output());
+    if (!test::eventually([&] { return driver_->output().find(started) != std::string::npos; }))
+      throw std::runtime_error("chromedriver did not start: " + driver_->output());
     const std::string log = driver_->output();
     port_ = static_cast<unsigned short>(std::stoi(log.substr(log.find(started) + started.size())));
-    const Json arguments{"--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-                         "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage", "--window-size=1440,1000",
+    const Json arguments{"--headless",
+                         "--no-sandbox",
+                         "--disable-gpu",
+                         "--disable-quic",
+                         "--no-first-run",
+                         "--disable-background-networking",
+                         "--disable-component-update",
+                         "--disable-sync",
+                         "--disable-dev-shm-usage",
+                         "--window-size=1440,1000",
                          "--user-data-dir=" + (scratch_.path() / "profile").string()};
-    const Json answer = call("POST", "/session", {{"capabilities", {{"alwaysMatch", {{"goog:chromeOptions", {{"binary", "/usr/bin/chromium"}, {"args", arguments}}}}}}}});
+    const Json answer =
+        call("POST", "/session",
+             {{"capabilities",
+               {{"alwaysMatch", {{"goog:chromeOptions", {{"binary", "/usr/bin/chromium"}, {"args", arguments}}}}}}}});
     session_ = "/session/" + answer["sessionId"].get<std::string>();
   }
   ~Browser() {
@@ -45,13 +60,17 @@ class Browser {
   void open(const std::string& url) { call("POST", session_ + "/url", {{"url", url}}); }
   /// Value of a JavaScript expression in the page.
   Json value(const std::string& expression) { return run("return " + expression); }
-  Json run(const std::string& script) { return call("POST", session_ + "/execute/sync", {{"script", script}, {"args", Json::array()}}); }
+  Json run(const std::string& script) {
+    return call("POST", session_ + "/execute/sync", {{"script", script}, {"args", Json::array()}});
+  }
   void perform(const Json& actions) { call("POST", session_ + "/actions", {{"actions", actions}}); }
   void screenshot(const std::filesystem::path& file) {
     const std::string text = call("GET", session_ + "/screenshot", {});
     std::ofstream(file, std::ios::binary) << decode(text);
   }
-  void resize(int width, int height) { call("POST", session_ + "/window/rect", {{"width", width}, {"height", height}}); }
+  void resize(int width, int height) {
+    call("POST", session_ + "/window/rect", {{"width", width}, {"height", height}});
+  }
 
  private:
   Json call(const std::string& verb, const std::string& path, const Json& body) {

@@ -208,7 +208,8 @@ TEST_F(WebServerTest, ServesThePage) {
 
 TEST_F(WebServerTest, NoPathLeadsOutOfThePage) {
   start();
-  for (const char* path : {"/../../etc/passwd", "/%2e%2e/etc/passwd", "/sub/secret", "/sub", "//index.html", "/./index.html", "/nothing", "*"}) {
+  for (const char* path : {"/../../etc/passwd", "/%2e%2e/etc/passwd", "/sub/secret", "/sub", "//index.html",
+                           "/./index.html", "/nothing", "*"}) {
     EXPECT_EQ(request(path).result_int(), 404u) << path;
   }
 }

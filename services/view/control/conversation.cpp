@@ -16,7 +16,8 @@ constexpr std::size_t kMaxAsked = 64;
 struct Settable {
   const char *key, *service;
 };
-constexpr std::array<Settable, 3> kSettable{{{"contact.law", "contact"}, {"contact.stiffness_n_per_m", "contact"}, {"coupling.saturation", "coupling"}}};
+constexpr std::array<Settable, 3> kSettable{
+    {{"contact.law", "contact"}, {"contact.stiffness_n_per_m", "contact"}, {"coupling.saturation", "coupling"}}};
 
 std::string error(const std::string& message) { return Json{{"type", "error"}, {"message", message}}.dump(); }
 
@@ -66,7 +67,9 @@ void Conversation::act(std::uint64_t client, std::string_view text, Clock::time_
     if (holder_ != client) return;  // let go meanwhile: late movements mean nothing
     heard_ = now;
     if (type == "move") {
-      hand_.move({number(json, "dx"), number(json, "dy"), number(json, "dz"), number(json, "rx"), number(json, "ry"), number(json, "rz")}, camera_);
+      hand_.move({number(json, "dx"), number(json, "dy"), number(json, "dz"), number(json, "rx"), number(json, "ry"),
+                  number(json, "rz")},
+                 camera_);
     }
   } else if (type == "drop") {
     if (holder_ == client) let_go(events);
@@ -81,7 +84,8 @@ void Conversation::act(std::uint64_t client, std::string_view text, Clock::time_
     camera_ = home_;
   } else if (type == "set") {
     const std::string key = json.at("key"), value = json.at("value");
-    const auto settable = std::find_if(kSettable.begin(), kSettable.end(), [&](const Settable& s) { return key == s.key; });
+    const auto settable =
+        std::find_if(kSettable.begin(), kSettable.end(), [&](const Settable& s) { return key == s.key; });
     if (settable == kSettable.end() || value.size() > 64) {
       events.push_back({client, error("This cannot be changed from here.")});
     } else if (asked_.size() >= kMaxAsked) {
@@ -129,8 +133,11 @@ void Conversation::tick(Clock::time_point now) {
         ++it;
         continue;
       }
-      events.push_back({it->second.client, Json{{"type", "answer"}, {"key", it->second.key}, {"accepted", false},
-                                                {"message", "No answer: the service that owns it does not run."}}.dump()});
+      events.push_back({it->second.client, Json{{"type", "answer"},
+                                                {"key", it->second.key},
+                                                {"accepted", false},
+                                                {"message", "No answer: the service that owns it does not run."}}
+                                               .dump()});
       it = asked_.erase(it);
     }
   }
@@ -156,8 +163,12 @@ void Conversation::answered(const ParameterAnswer& answer) {
     const auto asked = asked_.find(answer.request_id);
     if (asked == asked_.end()) return;
     // Everybody sees a change; only who asked hears why there is none.
-    events.push_back({answer.accepted ? 0 : asked->second.client, Json{{"type", "answer"}, {"key", answer.key}, {"value", answer.value},
-                                                                       {"accepted", answer.accepted}, {"message", answer.message}}.dump()});
+    events.push_back({answer.accepted ? 0 : asked->second.client, Json{{"type", "answer"},
+                                                                       {"key", answer.key},
+                                                                       {"value", answer.value},
+                                                                       {"accepted", answer.accepted},
+                                                                       {"message", answer.message}}
+                                                                      .dump()});
     asked_.erase(asked);
   }
   deliver(events);

@@ -15,9 +15,9 @@
 
 namespace tact::view {
 
-/// What clients say, and what comes of it. The messages (JSON; README.md has the table) move the hand, the camera and the
-/// parameters; all of them need control. One client at a time holds the hand: the one that took it first, until it lets go,
-/// leaves, or falls silent for a second. All clients share one camera: one picture serves them all.
+/// What clients say, and what comes of it. The messages (JSON; README.md has the table) move the hand, the camera and
+/// the parameters; all of them need control. One client at a time holds the hand: the one that took it first, until it
+/// lets go, leaves, or falls silent for a second. All clients share one camera: one picture serves them all.
 ///
 /// No threads, no clock, no sockets of its own: time is passed in. Safe from any thread.
 class Conversation {
@@ -40,7 +40,7 @@ class Conversation {
   std::vector<ParameterRequest> take_requests();
   void answered(const ParameterAnswer& answer);
 
-  std::uint64_t holder() const;       ///< 0: nobody
+  std::uint64_t holder() const;  ///< 0: nobody
 
   Camera camera() const;
   /// Where a reset of the camera goes; the first call also goes there.
@@ -69,7 +69,7 @@ class Conversation {
   mutable std::mutex mutex_;
   std::uint64_t holder_ = 0;
   Clock::time_point heard_{};
-  bool released_ = false;             // a hold = false is still to be published
+  bool released_ = false;  // a hold = false is still to be published
   MouseHand hand_;
   Camera camera_, home_;
   bool has_home_ = false;

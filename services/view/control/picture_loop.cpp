@@ -25,8 +25,8 @@ double cpu_ms() {
 
 }  // namespace
 
-PictureLoop::PictureLoop(const PictureOptions& options, const SharedScene& scene, Conversation& conversation, std::function<bool()> watched,
-                         Publish publish)
+PictureLoop::PictureLoop(const PictureOptions& options, const SharedScene& scene, Conversation& conversation,
+                         std::function<bool()> watched, Publish publish)
     : options_(options),
       scene_(scene),
       conversation_(conversation),
@@ -71,7 +71,8 @@ void PictureLoop::run() {
       last = {};
     }
     const Camera camera = conversation_.camera();
-    publish_(Slot::picture, encode_jpeg(studio->picture(scene, camera, options_.width, options_.height), kPictureQuality));
+    publish_(Slot::picture,
+             encode_jpeg(studio->picture(scene, camera, options_.width, options_.height), kPictureQuality));
     if (frame++ % options_.plot_every == 0) {
       publish_(Slot::gauss_map, encode_jpeg(draw_gauss_map(scene, camera, kPlotSize), kPlotQuality));
       const Image slice = studio->slice(scene, camera, kPlotSize);

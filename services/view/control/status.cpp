@@ -34,12 +34,14 @@ constexpr std::array<Words, 15> kWords{{
 }};
 
 const ServiceHealth* find(const ViewScene& scene, const std::string& service) {
-  const auto found = std::find_if(scene.health.begin(), scene.health.end(), [&](const ServiceHealth& h) { return h.service == service; });
+  const auto found = std::find_if(scene.health.begin(), scene.health.end(),
+                                  [&](const ServiceHealth& h) { return h.service == service; });
   return found == scene.health.end() ? nullptr : &*found;
 }
 
 std::string service_event(const std::string& service, const std::string& phase, const std::string& detail) {
-  return Json{{"type", "service"}, {"service", service}, {"phase", phase}, {"detail", detail}}.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return Json{{"type", "service"}, {"service", service}, {"phase", phase}, {"detail", detail}}.dump(
+      -1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace
@@ -91,7 +93,8 @@ std::string status_json(const ViewScene& scene, const ViewerNumbers& numbers) {
       {"frames_per_s", numbers.frames_per_s},
       {"cpu_ms_per_frame", numbers.cpu_ms_per_frame},
   };
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);  // names come over the wire: never throw on bad UTF-8
+  return json.dump(-1, ' ', false,
+                   Json::error_handler_t::replace);  // names come over the wire: never throw on bad UTF-8
 }
 
 std::vector<std::string> change_events(const ViewScene& before, const ViewScene& now) {
@@ -103,9 +106,12 @@ std::vector<std::string> change_events(const ViewScene& before, const ViewScene&
   for (const ServiceHealth& h : before.health) {
     if (find(now, h.service) == nullptr) events.push_back(service_event(h.service, "gone", ""));
   }
-  const std::uint32_t began = now.device.faults & ~before.device.faults, ended = before.device.faults & ~now.device.faults;
-  for (const std::string& words : fault_words(began)) events.push_back(Json{{"type", "fault"}, {"on", true}, {"words", words}}.dump());
-  for (const std::string& words : fault_words(ended)) events.push_back(Json{{"type", "fault"}, {"on", false}, {"words", words}}.dump());
+  const std::uint32_t began = now.device.faults & ~before.device.faults,
+                      ended = before.device.faults & ~now.device.faults;
+  for (const std::string& words : fault_words(began))
+    events.push_back(Json{{"type", "fault"}, {"on", true}, {"words", words}}.dump());
+  for (const std::string& words : fault_words(ended))
+    events.push_back(Json{{"type", "fault"}, {"on", false}, {"words", words}}.dump());
   return events;
 }
 

@@ -15,7 +15,9 @@ namespace {
 // The ball about the bounding boxes is larger than the bodies.
 constexpr double kFrameShare = 0.85;
 
-Placement placement(const ViewScene& scene, std::span<const Arrow> arrows = {}) { return {scene.info.X_WO, scene.device.X_WM, arrows}; }
+Placement placement(const ViewScene& scene, std::span<const Arrow> arrows = {}) {
+  return {scene.info.X_WO, scene.device.X_WM, arrows};
+}
 
 }  // namespace
 
@@ -58,7 +60,8 @@ Image Studio::slice(const ViewScene& scene, const Camera& camera, int size) {
   const Mat3 R_OE = (scene.info.X_WO.inverse().q * camera.X_WE().q).toRotationMatrix();
   const SlicePlane plane = chooser_.choose(scene, R_OE.col(2), R_OE.col(1));
   const auto segments = cut(tool_M_, scene.info.X_WO.inverse() * scene.device.X_WM, plane);
-  return draw_field_slice([this](const Vec3& p_O) { return field_->sample(p_O).value_m; }, plane, segments, scene, size);
+  return draw_field_slice([this](const Vec3& p_O) { return field_->sample(p_O).value_m; }, plane, segments, scene,
+                          size);
 }
 
 Image Studio::sheet(const ViewScene& scene, const Camera& camera) {
@@ -67,8 +70,8 @@ Image Studio::sheet(const ViewScene& scene, const Camera& camera) {
                             std::to_string(std::lround(scene.info.stiffness_n_per_m)) + " N/m, " +
                             std::to_string(scene.device.contact_count) + " contacts";
   const int width = kPicture * 4 / 3;
-  return compose_sheet(title, picture(scene, camera, width, kPicture), draw_gauss_map(scene, camera, kPlot), slice(scene, camera, kPlot),
-                       draw_strips(scene, width + kPlot + 20, 400));
+  return compose_sheet(title, picture(scene, camera, width, kPicture), draw_gauss_map(scene, camera, kPlot),
+                       slice(scene, camera, kPlot), draw_strips(scene, width + kPlot + 20, 400));
   static_assert(2 * kPlot + kCaption == kPicture);
 }
 

@@ -13,7 +13,8 @@ namespace tact::view {
 /// The bodies of one scene, loaded and ready to be drawn from. Made when somebody looks for the first time, not before.
 class Studio {
  public:
-  /// Reads the cached meshes, builds the trees, maps the field (read-only; without it there is no slice). Throws SetupError.
+  /// Reads the cached meshes, builds the trees, maps the field (read-only; without it there is no slice). Throws
+  /// SetupError.
   Studio(const SceneInfo& info, int threads);
 
   /// A camera that shows the scene well as it now stands; the radius is of the ball about both bodies.
@@ -26,11 +27,11 @@ class Studio {
 
   /// Of which scene: these change when it has to be made anew.
   bool shows(const SceneInfo& info) const;
-  double seconds() const { return seconds_; }        ///< the making took
+  double seconds() const { return seconds_; }  ///< the making took
 
  private:
   SceneInfo info_;
-  Mesh tool_M_;                       // kept for the cross-section
+  Mesh tool_M_;  // kept for the cross-section
   std::unique_ptr<RayTracer> tracer_;
   std::optional<DistanceField> field_;
   SlicePlaneChooser chooser_;

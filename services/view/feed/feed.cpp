@@ -23,13 +23,20 @@ double seconds_since(Clock::time_point then) { return std::chrono::duration<doub
 
 const char* phase_name(wire::Phase phase) {
   switch (phase) {
-    case wire::kStarting: return "starting";
-    case wire::kLoading: return "loading";
-    case wire::kConnecting: return "connecting";
-    case wire::kReady: return "ready";
-    case wire::kActive: return "active";
-    case wire::kDegraded: return "degraded";
-    case wire::kStopping: return "stopping";
+    case wire::kStarting:
+      return "starting";
+    case wire::kLoading:
+      return "loading";
+    case wire::kConnecting:
+      return "connecting";
+    case wire::kReady:
+      return "ready";
+    case wire::kActive:
+      return "active";
+    case wire::kDegraded:
+      return "degraded";
+    case wire::kStopping:
+      return "stopping";
   }
   return "unknown";
 }
@@ -92,7 +99,8 @@ ContactSet contact_set(const wire::ContactSet& in) {
   for (std::uint32_t i = 0; i < in.contacts._length; ++i) {
     const wire::Contact& c = in.contacts._buffer[i];
     Contact contact{from_wire(c.p_W), from_wire(c.N_W), from_wire(c.force_W), c.depth_m, c.weight};
-    if (contact.p_W.allFinite() && contact.N_W.allFinite() && contact.force_W.allFinite()) out.contacts.push_back(contact);
+    if (contact.p_W.allFinite() && contact.N_W.allFinite() && contact.force_W.allFinite())
+      out.contacts.push_back(contact);
   }
   return out;
 }
@@ -162,16 +170,18 @@ void Feed::poll(SharedScene& shared, std::int64_t timeout_ns) {
       const DeviceState state = device_state(w.device_message);
       if (!state.X_WM.finite() || !state.X_WT.finite() || !state.X_WH.finite()) continue;
       scene.device = state;
-      scene.history.add({1e-9 * static_cast<double>(w.device_message.t_mono_ns), strip_value(w.device_message.force_max_n),
-                         strip_value(state.F_contact_W.torque.norm()), static_cast<float>(state.contact_count),
-                         strip_value(1e3 * state.max_depth_m), strip_value(state.tick_us_max)});
+      scene.history.add({1e-9 * static_cast<double>(w.device_message.t_mono_ns),
+                         strip_value(w.device_message.force_max_n), strip_value(state.F_contact_W.torque.norm()),
+                         static_cast<float>(state.contact_count), strip_value(1e3 * state.max_depth_m),
+                         strip_value(state.tick_us_max)});
       w.device_at = Clock::now();
     }
     scene.age_s = w.device_at == Clock::time_point{} ? kNever : seconds_since(w.device_at);
 
     scene.health.clear();
     for (const char* service : {"contact", "coupling", "view"}) {
-      if (const auto h = w.monitor.alive(service)) scene.health.push_back({service, phase_name(h->phase), h->detail, h->progress, h->faults});
+      if (const auto h = w.monitor.alive(service))
+        scene.health.push_back({service, phase_name(h->phase), h->detail, h->progress, h->faults});
     }
     while (w.parameter_ack.take(w.ack_message)) {
       const wire::ParameterAck& ack = w.ack_message;
@@ -207,8 +217,6 @@ void Feed::publish(const ParameterRequest& request) {
   wire_->parameter.write(message);
 }
 
-void Feed::say(const std::string& detail) {
-  wire_->health.phase(wire::kActive, detail);
-}
+void Feed::say(const std::string& detail) { wire_->health.phase(wire::kActive, detail); }
 
 }  // namespace tact::view

@@ -9,16 +9,16 @@
 
 namespace tact::view {
 
-/// The view's ear and voice on the session's topics: messages of the wire become a ViewScene, requests of clients become messages.
-/// Low-rate topics only; nobody waits for us. One thread at a time.
+/// The view's ear and voice on the session's topics: messages of the wire become a ViewScene, requests of clients
+/// become messages. Low-rate topics only; nobody waits for us. One thread at a time.
 class Feed {
  public:
   /// Joins the session and says so (Health "view"). Throws SetupError.
   explicit Feed(const Session& session);
   ~Feed();
 
-  /// Takes in what has arrived, sleeping up to `timeout_ns` for it. Contacts older than half a second are forgotten: their
-  /// server has gone.
+  /// Takes in what has arrived, sleeping up to `timeout_ns` for it. Contacts older than half a second are forgotten:
+  /// their server has gone.
   void poll(SharedScene& scene, std::int64_t timeout_ns);
 
   /// Answers to our own requests since the last call.

@@ -6,8 +6,8 @@ namespace tact::view {
 
 /// One movement of the mouse, in picture terms.
 struct HandMove {
-  double dx = 0, dy = 0;              ///< right and up, in picture heights
-  double dz = 0;                      ///< towards the viewer, in picture heights
+  double dx = 0, dy = 0;                                     ///< right and up, in picture heights
+  double dz = 0;                                             ///< towards the viewer, in picture heights
   double about_x_rad = 0, about_y_rad = 0, about_z_rad = 0;  ///< about the eye's axes
 
   /// All numbers, none beyond 10: no mouse does more between two messages.

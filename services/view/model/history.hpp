@@ -6,7 +6,7 @@ namespace tact::view {
 
 /// One instant of the strips.
 struct HistorySample {
-  double time_s = 0;                  ///< monotonic clock of the writer
+  double time_s = 0;  ///< monotonic clock of the writer
   float force_n = 0, torque_nm = 0, contacts = 0, penetration_mm = 0, tick_us = 0;
 };
 

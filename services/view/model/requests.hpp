@@ -19,9 +19,9 @@ struct ParameterRequest {
 };
 struct ParameterAnswer {
   std::uint64_t request_id = 0;
-  std::string key, value;             ///< in force now
+  std::string key, value;  ///< in force now
   bool accepted = false;
-  std::string message;                ///< why not
+  std::string message;  ///< why not
 };
 
 }  // namespace tact::view

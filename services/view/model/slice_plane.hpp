@@ -10,9 +10,9 @@ struct SlicePlane {
   double half_side_m = 0;
 };
 
-/// Chooses the window through the deepest contact (without contacts: where the last one was, at first To): parallel to a coordinate
-/// plane of O, the one that shows most of the contact's normal and faces the viewer; the choice is sticky, so that the
-/// window does not flip between two nearly equal planes.
+/// Chooses the window through the deepest contact (without contacts: where the last one was, at first To): parallel to
+/// a coordinate plane of O, the one that shows most of the contact's normal and faces the viewer; the choice is sticky,
+/// so that the window does not flip between two nearly equal planes.
 class SlicePlaneChooser {
  public:
   /// view_O: unit vector towards the viewer, up_O: up in the picture.

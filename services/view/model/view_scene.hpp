@@ -11,21 +11,21 @@ namespace tact::view {
 /// What is loaded, as the contact server says. Empty name: no server heard yet.
 struct SceneInfo {
   std::string name;
-  std::uint64_t server_epoch = 0;     ///< changes when the server restarts: bodies must be loaded again
+  std::uint64_t server_epoch = 0;  ///< changes when the server restarts: bodies must be loaded again
   std::string field_path, obstacle_mesh_path, tool_mesh_path;
   std::uint64_t field_hash = 0;
   double voxel_m = 0;
   std::uint32_t points = 0;
   Pose X_TM, X_WO;
-  double tool_radius_m = 0;           ///< farthest shell point from To
+  double tool_radius_m = 0;  ///< farthest shell point from To
   std::string law;
   double stiffness_n_per_m = 0, x_max_m = 0;
   bool saturation = true;
 };
 
 struct Contact {
-  Vec3 p_W, N_W;                      ///< N: unit inward normal of the tool, the direction of the force on it
-  Vec3 force_W;                       ///< N
+  Vec3 p_W, N_W;  ///< N: unit inward normal of the tool, the direction of the force on it
+  Vec3 force_W;   ///< N
   double depth_m = 0, weight = 0;
 };
 
@@ -33,8 +33,8 @@ struct Contact {
 struct ContactSet {
   std::uint64_t pose_seq = 0;
   Pose X_WT, X_WO;
-  Wrench F_W;                         ///< on the tool about To
-  std::uint32_t total_count = 0;      ///< before truncation
+  Wrench F_W;                     ///< on the tool about To
+  std::uint32_t total_count = 0;  ///< before truncation
   std::vector<Contact> contacts;
 };
 

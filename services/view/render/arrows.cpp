@@ -14,9 +14,12 @@ constexpr Color kHandColor{40, 170, 240};
 std::vector<Arrow> contact_arrows(const ViewScene& scene, double size_m, std::size_t limit) {
   std::vector<const Contact*> strongest;
   for (const Contact& contact : scene.contact_set.contacts) strongest.push_back(&contact);
-  const auto by_force = [](const Contact* a, const Contact* b) { return a->force_W.squaredNorm() > b->force_W.squaredNorm(); };
+  const auto by_force = [](const Contact* a, const Contact* b) {
+    return a->force_W.squaredNorm() > b->force_W.squaredNorm();
+  };
   if (strongest.size() > limit) {
-    std::nth_element(strongest.begin(), strongest.begin() + static_cast<std::ptrdiff_t>(limit), strongest.end(), by_force);
+    std::nth_element(strongest.begin(), strongest.begin() + static_cast<std::ptrdiff_t>(limit), strongest.end(),
+                     by_force);
     strongest.resize(limit);
   }
   double largest = 0;

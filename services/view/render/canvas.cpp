@@ -16,7 +16,8 @@ cv::Point subpixel(double x, double y) {
   return {fix(x), fix(y)};
 }
 
-void text(cv::Mat& mat, const std::string& words, double x, double y, double size, const cv::Scalar& colour, Align align) {
+void text(cv::Mat& mat, const std::string& words, double x, double y, double size, const cv::Scalar& colour,
+          Align align) {
   constexpr double kCapital = 21;  // height of a capital letter of this font at scale 1
   const double scale = size / kCapital;
   const int thickness = size > 15.5 ? 2 : 1;
@@ -25,8 +26,8 @@ void text(cv::Mat& mat, const std::string& words, double x, double y, double siz
     const double width = cv::getTextSize(words, cv::FONT_HERSHEY_DUPLEX, scale, thickness, &baseline).width;
     x -= align == Align::right ? width : width / 2;
   }
-  cv::putText(mat, words, cv::Point(static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y))), cv::FONT_HERSHEY_DUPLEX, scale,
-              colour, thickness, cv::LINE_AA);
+  cv::putText(mat, words, cv::Point(static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y))),
+              cv::FONT_HERSHEY_DUPLEX, scale, colour, thickness, cv::LINE_AA);
 }
 
 std::string short_number(double value) {

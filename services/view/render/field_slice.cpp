@@ -10,15 +10,22 @@
 namespace tact::view {
 namespace {
 
-const cv::Vec3d kOutsideNear(250, 236, 222), kOutsideFar(214, 160, 104), kInsideNear(212, 240, 218), kInsideFar(96, 168, 92);
+const cv::Vec3d kOutsideNear(250, 236, 222), kOutsideFar(214, 160, 104), kInsideNear(212, 240, 218),
+    kInsideFar(96, 168, 92);
 const cv::Scalar kTool{52, 52, 200};
 
 class Slice {
  public:
   Slice(const SlicePlane& plane, int size)
-      : plane_(plane), size_(size), px_per_m_(size / (2 * plane.half_side_m)), image_(size, size), mat_(as_mat(image_)) {}
+      : plane_(plane),
+        size_(size),
+        px_per_m_(size / (2 * plane.half_side_m)),
+        image_(size, size),
+        mat_(as_mat(image_)) {}
 
-  Eigen::Vector2d pixel(double u_m, double v_m) const { return {0.5 * size_ + px_per_m_ * u_m, 0.5 * size_ - px_per_m_ * v_m}; }
+  Eigen::Vector2d pixel(double u_m, double v_m) const {
+    return {0.5 * size_ + px_per_m_ * u_m, 0.5 * size_ - px_per_m_ * v_m};
+  }
 
   void field(const FieldFunction& field, double voxel_m) {
     const int n = size_ / 2 + 1;  // one sample every second pixel, on pixel corners
@@ -66,7 +73,8 @@ class Slice {
       const Eigen::Vector2d from = pixel(plane_.u_O.dot(p), plane_.v_O.dot(p));
       const Eigen::Vector2d to = from + 0.06 * size_ * Eigen::Vector2d(plane_.u_O.dot(N), -plane_.v_O.dot(N));
       cv::line(mat_, subpixel(from.x(), from.y()), subpixel(to.x(), to.y()), ink::kForce, line(1), cv::LINE_AA, kShift);
-      cv::circle(mat_, subpixel(from.x(), from.y()), subpixel(0.009 * size_, 0).x, ink::kForce, cv::FILLED, cv::LINE_AA, kShift);
+      cv::circle(mat_, subpixel(from.x(), from.y()), subpixel(0.009 * size_, 0).x, ink::kForce, cv::FILLED, cv::LINE_AA,
+                 kShift);
     }
   }
 
@@ -109,7 +117,8 @@ class Slice {
 
 }  // namespace
 
-Image draw_field_slice(const FieldFunction& field, const SlicePlane& plane, std::span<const Segment> tool, const ViewScene& scene, int size) {
+Image draw_field_slice(const FieldFunction& field, const SlicePlane& plane, std::span<const Segment> tool,
+                       const ViewScene& scene, int size) {
   Slice slice(plane, size);
   slice.field(field, scene.info.voxel_m);
   slice.outline(tool);

@@ -28,7 +28,8 @@ class Map {
     if (far_side != draw_far) return;
     const int radius = subpixel(size_ * (0.008 + 0.014 * std::sqrt(share)), 0).x;
     if (far_side) {
-      cv::circle(mat_, subpixel(p.x(), p.y()), radius, 0.5 * colour + 0.5 * cv::Scalar(246, 241, 236), line(1), cv::LINE_AA, kShift);
+      cv::circle(mat_, subpixel(p.x(), p.y()), radius, 0.5 * colour + 0.5 * cv::Scalar(246, 241, 236), line(1),
+                 cv::LINE_AA, kShift);
     } else {
       cv::circle(mat_, subpixel(p.x(), p.y()), radius, colour, cv::FILLED, cv::LINE_AA, kShift);
     }
@@ -58,11 +59,14 @@ class Map {
     constexpr int kSteps = 72;
     for (int k = 0; k < 6; ++k) {
       const double angle = k * M_PI / 6;
-      curve(kSteps, [&](double t) { return Vec3(std::cos(angle) * std::cos(t), std::sin(angle) * std::cos(t), std::sin(t)); });
+      curve(kSteps,
+            [&](double t) { return Vec3(std::cos(angle) * std::cos(t), std::sin(angle) * std::cos(t), std::sin(t)); });
     }
     for (int k = -2; k <= 2; ++k) {
       const double angle = k * M_PI / 6;
-      curve(kSteps, [&](double t) { return Vec3(std::cos(angle) * std::cos(t), std::cos(angle) * std::sin(t), std::sin(angle)); });
+      curve(kSteps, [&](double t) {
+        return Vec3(std::cos(angle) * std::cos(t), std::cos(angle) * std::sin(t), std::sin(angle));
+      });
     }
   }
 

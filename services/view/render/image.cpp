@@ -11,7 +11,8 @@ namespace tact::view {
 Image::Image(int width_px, int height_px, Color fill) : width(width_px), height(height_px) {
   const std::size_t n = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   bgr.resize(3 * n);
-  for (std::size_t i = 0; i < n; ++i) std::copy(fill.begin(), fill.end(), bgr.begin() + static_cast<std::ptrdiff_t>(3 * i));
+  for (std::size_t i = 0; i < n; ++i)
+    std::copy(fill.begin(), fill.end(), bgr.begin() + static_cast<std::ptrdiff_t>(3 * i));
 }
 
 std::string encode_jpeg(const Image& image, int quality) {

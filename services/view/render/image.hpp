@@ -18,7 +18,8 @@ struct Image {
   std::vector<std::uint8_t> bgr;
 
   Color at(int x, int y) const {
-    const std::size_t i = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+    const std::size_t i =
+        3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
     return {bgr[i], bgr[i + 1], bgr[i + 2]};
   }
 };

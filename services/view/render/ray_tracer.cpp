@@ -36,14 +36,16 @@ struct Surface {
 };
 
 // Position of sample s of four inside a pixel: a rotated grid.
-constexpr std::array<std::array<float, 2>, 4> kSamples{{{0.375f, 0.125f}, {0.875f, 0.375f}, {0.125f, 0.625f}, {0.625f, 0.875f}}};
+constexpr std::array<std::array<float, 2>, 4> kSamples{
+    {{0.375f, 0.125f}, {0.875f, 0.375f}, {0.125f, 0.625f}, {0.625f, 0.875f}}};
 
 std::uint8_t to_srgb(float linear) {
   static const std::array<std::uint8_t, 1024> table = [] {
     std::array<std::uint8_t, 1024> t{};
     for (std::size_t i = 0; i < t.size(); ++i) {
       const double v = static_cast<double>(i) / 1023;
-      t[i] = static_cast<std::uint8_t>(std::lround(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055)));
+      t[i] = static_cast<std::uint8_t>(
+          std::lround(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055)));
     }
     return t;
   }();
@@ -67,10 +69,11 @@ RTCScene build_body(RTCDevice device, const Mesh& mesh) {
   if (!mesh.triangles.empty()) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     // Copies: embree may read 16 bytes at the last vertex, and the caller's mesh may go.
-    void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), mesh.vertices.size());
+    void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
+                                             mesh.vertices.size());
     std::memcpy(vertices, mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3f));
-    void* triangles =
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), mesh.triangles.size());
+    void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                              3 * sizeof(std::uint32_t), mesh.triangles.size());
     std::memcpy(triangles, mesh.triangles.data(), mesh.triangles.size() * 3 * sizeof(std::uint32_t));
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
@@ -139,7 +142,8 @@ struct RayTracer::Trees {
   }
 
   Vec3f direction(float x, float y) const {
-    return (forward + (2 * x / static_cast<float>(width) - 1) * right + (1 - 2 * y / static_cast<float>(height)) * up).normalized();
+    return (forward + (2 * x / static_cast<float>(width) - 1) * right + (1 - 2 * y / static_cast<float>(height)) * up)
+        .normalized();
   }
 
   struct Rays {
@@ -191,7 +195,8 @@ struct RayTracer::Trees {
     for (int i = 0; i < kLanes; ++i) {
       const Surface& s = hits[static_cast<std::size_t>(i)];
       valid[i] = s.body != kNothing && s.N.dot(light) > 0 ? -1 : 0;
-      const Vec3f p = valid[i] != 0 ? Vec3f(eye + s.t * rays.directions[static_cast<std::size_t>(i)] + shadow_offset * s.N) : eye;
+      const Vec3f p =
+          valid[i] != 0 ? Vec3f(eye + s.t * rays.directions[static_cast<std::size_t>(i)] + shadow_offset * s.N) : eye;
       ray.org_x[i] = p.x(), ray.org_y[i] = p.y(), ray.org_z[i] = p.z();
       ray.dir_x[i] = light.x(), ray.dir_y[i] = light.y(), ray.dir_z[i] = light.z();
       ray.tnear[i] = 0, ray.tfar[i] = kInfinity, ray.time[i] = 0, ray.mask[i] = ~0u, ray.id[i] = 0, ray.flags[i] = 0;
@@ -226,18 +231,22 @@ struct RayTracer::Trees {
   }
 
   void put(Image& out, int x, int y, const Vec3f& linear) const {
-    std::uint8_t* p = out.bgr.data() + 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+    std::uint8_t* p = out.bgr.data() +
+                      3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
     for (int c = 0; c < 3; ++c) p[c] = to_srgb(linear[c]);
   }
 
-  Surface& at(int x, int y) { return surfaces[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)]; }
+  Surface& at(int x, int y) {
+    return surfaces[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+  }
 
   void trace_rows(int y, Image& out) {
     Rays rays;
     for (int x = 0; x < width; x += 4) {
       for (int i = 0; i < kLanes; ++i) {
         // Outside the picture a lane repeats an inner pixel: harmless, and the packet stays full.
-        aim(rays, i, static_cast<float>(std::min(x + i % 4, width - 1)) + 0.5f, static_cast<float>(std::min(y + i / 4, height - 1)) + 0.5f);
+        aim(rays, i, static_cast<float>(std::min(x + i % 4, width - 1)) + 0.5f,
+            static_cast<float>(std::min(y + i / 4, height - 1)) + 0.5f);
       }
       intersect(rays, world);
       std::array<Surface, kLanes> hits;
@@ -280,7 +289,8 @@ struct RayTracer::Trees {
       if (kind == 0) continue;
       for (int i = 0; i < kLanes; ++i) rays.valid[i] = 0;
       for (int i = 0; i < 4; ++i) {
-        aim(rays, i, static_cast<float>(x) + kSamples[static_cast<std::size_t>(i)][0], static_cast<float>(y) + kSamples[static_cast<std::size_t>(i)][1]);
+        aim(rays, i, static_cast<float>(x) + kSamples[static_cast<std::size_t>(i)][0],
+            static_cast<float>(y) + kSamples[static_cast<std::size_t>(i)][1]);
       }
       intersect(rays, world);
       std::array<Surface, kLanes> hits;
@@ -308,17 +318,18 @@ struct RayTracer::Trees {
     rtcSetSceneBuildQuality(arrows, RTC_BUILD_QUALITY_LOW);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_CONE_LINEAR_CURVE);
     // Two segments an arrow: shaft and head.
-    auto* vertices = static_cast<Eigen::Vector4f*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, sizeof(Eigen::Vector4f), 4 * list.size()));
-    auto* indices = static_cast<std::uint32_t*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, sizeof(std::uint32_t), 2 * list.size()));
+    auto* vertices = static_cast<Eigen::Vector4f*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, sizeof(Eigen::Vector4f), 4 * list.size()));
+    auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, sizeof(std::uint32_t), 2 * list.size()));
     arrow_tiles.assign(static_cast<std::size_t>(tiles_x()) * static_cast<std::size_t>((height + kTile - 1) / kTile), 0);
     for (std::size_t i = 0; i < list.size(); ++i) {
       const Arrow& arrow = list[i];
       const Vec3 along = (arrow.tip_W - arrow.tail_W).normalized();
       const Vec3 neck = arrow.tip_W - arrow.head_m * along;
       const auto vertex = [](const Vec3& p, double r) {
-        return Eigen::Vector4f(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()), static_cast<float>(r));
+        return Eigen::Vector4f(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()),
+                               static_cast<float>(r));
       };
       const double head_radius = arrow.head_m > 0 ? 2.8 * arrow.radius_m : arrow.radius_m;
       vertices[4 * i] = vertex(arrow.tail_W, arrow.radius_m);
@@ -337,13 +348,15 @@ struct RayTracer::Trees {
   }
 
   void mark_tiles(const Camera& camera, const Arrow& arrow, double margin_px) {
-    const Eigen::Vector2d a = camera.project(arrow.tail_W, width, height), b = camera.project(arrow.tip_W, width, height);
+    const Eigen::Vector2d a = camera.project(arrow.tail_W, width, height),
+                          b = camera.project(arrow.tip_W, width, height);
     const Eigen::Vector2d low = a.cwiseMin(b).array() - margin_px, high = a.cwiseMax(b).array() + margin_px;
     const auto tile = [](double v, int size) { return static_cast<int>(std::clamp(v, 0.0, size - 1.0)) / kTile; };
     if (high.x() < 0 || high.y() < 0 || low.x() >= width || low.y() >= height) return;
     for (int ty = tile(low.y(), height); ty <= tile(high.y(), height); ++ty) {
       for (int tx = tile(low.x(), width); tx <= tile(high.x(), width); ++tx) {
-        arrow_tiles[static_cast<std::size_t>(ty) * static_cast<std::size_t>(tiles_x()) + static_cast<std::size_t>(tx)] = 1;
+        arrow_tiles[static_cast<std::size_t>(ty) * static_cast<std::size_t>(tiles_x()) + static_cast<std::size_t>(tx)] =
+            1;
       }
     }
   }
@@ -351,7 +364,9 @@ struct RayTracer::Trees {
   void blend_arrows_row(int y, Image& out) {
     Rays rays;
     for (int x = 0; x < width; x += 2) {
-      if (arrow_tiles[static_cast<std::size_t>(y / kTile) * static_cast<std::size_t>(tiles_x()) + static_cast<std::size_t>(x / kTile)] == 0) continue;
+      if (arrow_tiles[static_cast<std::size_t>(y / kTile) * static_cast<std::size_t>(tiles_x()) +
+                      static_cast<std::size_t>(x / kTile)] == 0)
+        continue;
       for (int i = 0; i < kLanes; ++i) {
         const auto& sample = kSamples[static_cast<std::size_t>(i % 4)];
         aim(rays, i, static_cast<float>(x + i / 4) + sample[0], static_cast<float>(y) + sample[1]);
@@ -386,7 +401,8 @@ struct RayTracer::Trees {
   }
 };
 
-RayTracer::RayTracer(const Mesh& obstacle_O, const Mesh& tool_M, int threads) : trees_(std::make_unique<Trees>(std::max(1, threads))) {
+RayTracer::RayTracer(const Mesh& obstacle_O, const Mesh& tool_M, int threads)
+    : trees_(std::make_unique<Trees>(std::max(1, threads))) {
   Trees& t = *trees_;
   t.obstacle_box = box_of(obstacle_O);
   t.tool_box = box_of(tool_M);
@@ -401,7 +417,8 @@ RayTracer::RayTracer(const Mesh& obstacle_O, const Mesh& tool_M, int threads) : 
     t.tool_instance = t.add_instance(t.tool, kTool);
     rtcJoinCommitScene(t.world);
   });
-  if (rtcGetDeviceError(t.device) != RTC_ERROR_NONE) throw SetupError("embree: cannot build the trees of the bodies: out of memory?");
+  if (rtcGetDeviceError(t.device) != RTC_ERROR_NONE)
+    throw SetupError("embree: cannot build the trees of the bodies: out of memory?");
 }
 
 RayTracer::~RayTracer() = default;

@@ -11,12 +11,12 @@ namespace tact::view {
 
 /// What moves between two pictures.
 struct Placement {
-  Pose X_WO, X_WM;                    ///< obstacle; mesh frame of the tool
+  Pose X_WO, X_WM;  ///< obstacle; mesh frame of the tool
   std::span<const Arrow> arrows;
 };
 
-/// Draws both bodies by ray tracing on the processor: no display, no GPU. The trees over the triangles are built once, in the
-/// constructor; a picture only places them anew. Arrows shine through what hides them, so that a contact deep
+/// Draws both bodies by ray tracing on the processor: no display, no GPU. The trees over the triangles are built once,
+/// in the constructor; a picture only places them anew. Arrows shine through what hides them, so that a contact deep
 /// inside is seen. One key light from the viewer's upper left with shadows, smoothed silhouettes, darkened creases.
 class RayTracer {
  public:

@@ -16,7 +16,8 @@ void paste(cv::Mat& sheet, const Image& image, int x, int y, const std::string& 
 
 }  // namespace
 
-Image compose_sheet(const std::string& title, const Image& picture, const Image& gauss_map, const Image& slice, const Image& strips) {
+Image compose_sheet(const std::string& title, const Image& picture, const Image& gauss_map, const Image& slice,
+                    const Image& strips) {
   const int plot = std::max({gauss_map.width, slice.width, 1});
   const int width = 3 * kMargin + std::max(picture.width, 1) + plot;
   const int top = kMargin + 2 * kCaption;

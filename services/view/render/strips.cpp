@@ -15,7 +15,7 @@ struct Strip {
   const char* unit;
   float HistorySample::*value;
   cv::Scalar colour;
-  double limit;   // <= 0: none
+  double limit;  // <= 0: none
 };
 
 void draw_strip(cv::Mat area, const History& history, const Strip& strip, double window_s) {
@@ -26,11 +26,14 @@ void draw_strip(cv::Mat area, const History& history, const Strip& strip, double
   const double end_s = n > 0 ? history[n - 1].time_s : 0;
   std::size_t first = n;
   double largest = 0;
-  while (first > 0 && history[first - 1].time_s > end_s - window_s) largest = std::max(largest, static_cast<double>(history[--first].*strip.value));
+  while (first > 0 && history[first - 1].time_s > end_s - window_s)
+    largest = std::max(largest, static_cast<double>(history[--first].*strip.value));
   const double scale = round_scale(std::max(largest, strip.limit));
   const auto y_of = [&](double v) { return bottom - (bottom - top) * std::clamp(v / scale, 0.0, 1.0); };
 
-  const auto level = [&](double v, const cv::Scalar& colour) { cv::line(area, subpixel(left, y_of(v)), subpixel(right, y_of(v)), colour, 1, cv::LINE_AA, kShift); };
+  const auto level = [&](double v, const cv::Scalar& colour) {
+    cv::line(area, subpixel(left, y_of(v)), subpixel(right, y_of(v)), colour, 1, cv::LINE_AA, kShift);
+  };
   level(0, ink::kAxis);
   level(0.5 * scale, ink::kGrid);
   level(scale, ink::kGrid);
@@ -48,13 +51,15 @@ void draw_strip(cv::Mat area, const History& history, const Strip& strip, double
     std::vector<cv::Point> fill = line;
     fill.push_back({line.back().x, subpixel(0, bottom).y});
     fill.push_back({line.front().x, subpixel(0, bottom).y});
-    cv::fillPoly(area, std::vector<std::vector<cv::Point>>{fill}, 0.16 * strip.colour + 0.84 * ink::kPaper, cv::LINE_8, kShift);
+    cv::fillPoly(area, std::vector<std::vector<cv::Point>>{fill}, 0.16 * strip.colour + 0.84 * ink::kPaper, cv::LINE_8,
+                 kShift);
     cv::polylines(area, line, false, strip.colour, h > 60 ? 2 : 1, cv::LINE_AA, kShift);
   }
   if (strip.limit > 0) level(strip.limit, ink::kLimit);
   text(area, short_number(scale), left - 0.6 * letters, top + letters, 0.8 * letters, ink::kAxis, Align::right);
   text(area, strip.name, 0.3 * letters, 0.5 * (top + bottom) - 0.1 * letters, letters, ink::kText);
-  const std::string now = n > 0 ? short_number(history[n - 1].*strip.value) + " " + strip.unit : std::string("- ") + strip.unit;
+  const std::string now =
+      n > 0 ? short_number(history[n - 1].*strip.value) + " " + strip.unit : std::string("- ") + strip.unit;
   text(area, now, 0.3 * letters, 0.5 * (top + bottom) + 1.5 * letters, letters, strip.colour);
 }
 

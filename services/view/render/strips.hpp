@@ -4,8 +4,8 @@
 
 namespace tact::view {
 
-/// The last `window_s` seconds of force, torque, contacts, penetration and tick time, one strip under the other, newest at
-/// the right edge. Each scale runs from 0 to a round number above the largest value shown; penetration carries a
+/// The last `window_s` seconds of force, torque, contacts, penetration and tick time, one strip under the other, newest
+/// at the right edge. Each scale runs from 0 to a round number above the largest value shown; penetration carries a
 /// line at x_max (where the coupling saturates), force one at k x_max.
 Image draw_strips(const ViewScene& scene, int width, int height, double window_s = 20);
 

@@ -10,14 +10,16 @@
 namespace tact::view {
 namespace {
 
-// Value of `name` in "a=1<separator>name=value"; empty: absent. Tokens are hexadecimal or typed by the user: no decoding.
+// Value of `name` in "a=1<separator>name=value"; empty: absent. Tokens are hexadecimal or typed by the user: no
+// decoding.
 std::string_view field(std::string_view list, std::string_view name, char separator) {
   while (!list.empty()) {
     const std::size_t end = std::min(list.find(separator), list.size());
     std::string_view item = list.substr(0, end);
     list.remove_prefix(std::min(end + 1, list.size()));
     while (!item.empty() && item.front() == ' ') item.remove_prefix(1);
-    if (item.size() > name.size() && item.substr(0, name.size()) == name && item[name.size()] == '=') return item.substr(name.size() + 1);
+    if (item.size() > name.size() && item.substr(0, name.size()) == name && item[name.size()] == '=')
+      return item.substr(name.size() + 1);
   }
   return {};
 }
@@ -73,7 +75,8 @@ Access::Verdict Access::judge(const Request& request) const {
     const std::size_t scheme = request.origin.find("://");
     if (scheme == std::string_view::npos || request.origin.substr(scheme + 3) != request.host) return Verdict::refused;
   }
-  if (token_in_query(request.target) || same_token(field(request.cookie, cookie_name, ';'), token)) return Verdict::control;
+  if (token_in_query(request.target) || same_token(field(request.cookie, cookie_name, ';'), token))
+    return Verdict::control;
   return loopback && is_loopback_name(request.host) ? Verdict::watch : Verdict::refused;
 }
 

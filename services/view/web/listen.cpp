@@ -12,7 +12,9 @@ tcp::acceptor listen_on(boost::asio::io_context& io, const std::string& bind, st
   boost::system::error_code error;
   const auto address = boost::asio::ip::make_address(bind, error);
   if (error) {
-    throw SetupError("machine.bind: found \"" + bind + "\", expected an IP address of this machine: 127.0.0.1 for this machine only, 0.0.0.0 for all networks");
+    throw SetupError(
+        "machine.bind: found \"" + bind +
+        "\", expected an IP address of this machine: 127.0.0.1 for this machine only, 0.0.0.0 for all networks");
   }
   const tcp::endpoint endpoint(address, port);
   tcp::acceptor acceptor(io);
@@ -27,10 +29,12 @@ tcp::acceptor listen_on(boost::asio::io_context& io, const std::string& bind, st
     throw SetupError(found + "already in use by another program; choose another (--port N), or 0 for any free port");
   }
   if (error == boost::asio::error::access_denied) {
-    throw SetupError(found + "this user has no permission for ports below 1024; choose another (--port N), or 0 for any free port");
+    throw SetupError(
+        found + "this user has no permission for ports below 1024; choose another (--port N), or 0 for any free port");
   }
   if (error == boost::system::errc::address_not_available) {
-    throw SetupError("machine.bind: found \"" + bind + "\", not an address of this machine; see `ip address`, or use 127.0.0.1");
+    throw SetupError("machine.bind: found \"" + bind +
+                     "\", not an address of this machine; see `ip address`, or use 127.0.0.1");
   }
   throw SetupError("machine.bind: cannot listen on " + bind + " port " + std::to_string(port) + ": " + error.message());
 }

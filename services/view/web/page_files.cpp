@@ -25,10 +25,12 @@ PageFiles::PageFiles(const std::filesystem::path& folder) {
     if (!entry.is_regular_file()) continue;
     std::ifstream in(entry.path(), std::ios::binary);
     std::string content{std::istreambuf_iterator<char>(in), {}};
-    files_[(std::filesystem::path("/") / entry.path().filename()).string()] = {std::move(content), type_of(entry.path())};
+    files_[(std::filesystem::path("/") / entry.path().filename()).string()] = {std::move(content),
+                                                                               type_of(entry.path())};
   }
   const auto index = files_.find("/index.html");
-  if (error || index == files_.end()) throw SetupError(folder.string() + ": no index.html here; the installation is not complete");
+  if (error || index == files_.end())
+    throw SetupError(folder.string() + ": no index.html here; the installation is not complete");
   files_["/"] = index->second;
 }
 

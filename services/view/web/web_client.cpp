@@ -61,7 +61,8 @@ void WebClient::heard(std::size_t bytes) {
   if (closing_) return;
   if (allowance_ >= 0) return read();
   // Too fast: what it sends meanwhile fills its own socket, not our memory.
-  breath_.expires_after(std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(-allowance_ / rate)));
+  breath_.expires_after(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(-allowance_ / rate)));
   breath_.async_wait([self = shared_from_this()](beast::error_code error) {
     if (!error && !self->closing_) self->read();
   });
@@ -69,7 +70,8 @@ void WebClient::heard(std::size_t bytes) {
 
 void WebClient::send_event(Payload event) {
   if (closing_) return;
-  if (!outbox_.push_event(std::move(event))) return close(websocket::close_code::try_again_later, "too slow: events pile up");
+  if (!outbox_.push_event(std::move(event)))
+    return close(websocket::close_code::try_again_later, "too slow: events pile up");
   write();
 }
 
@@ -85,11 +87,12 @@ void WebClient::write() {
   if (!item) return;
   in_flight_ = std::move(item->payload);
   socket_.binary(item->binary);
-  socket_.async_write(boost::asio::buffer(*in_flight_), [self = shared_from_this()](beast::error_code error, std::size_t) {
-    self->in_flight_.reset();
-    if (error) return self->leave();
-    self->write();
-  });
+  socket_.async_write(boost::asio::buffer(*in_flight_),
+                      [self = shared_from_this()](beast::error_code error, std::size_t) {
+                        self->in_flight_.reset();
+                        if (error) return self->leave();
+                        self->write();
+                      });
 }
 
 void WebClient::close(websocket::close_code code, const char* reason) {

@@ -39,15 +39,21 @@ class Connection : public std::enable_shared_from_this<Connection> {
  private:
   void answer(HttpRequest request) {
     const std::string_view target = view(request.target());
-    const Request asked{target, view(request[http::field::host]), view(request[http::field::origin]), view(request[http::field::cookie])};
+    const Request asked{target, view(request[http::field::host]), view(request[http::field::origin]),
+                        view(request[http::field::cookie])};
     const Access::Verdict verdict = loop_.access.judge(asked);
     if (verdict == Access::Verdict::refused) {
-      return refuse(http::status::forbidden, "Tact: this address needs the token that was printed when the session started: http://.../?token=...\n");
+      return refuse(
+          http::status::forbidden,
+          "Tact: this address needs the token that was printed when the session started: http://.../?token=...\n");
     }
     if (path_of(target) == "/ws") {
-      if (!beast::websocket::is_upgrade(request)) return refuse(http::status::upgrade_required, "This address speaks WebSocket.\n");
-      if (loop_.client_count >= loop_.options.max_clients) return refuse(http::status::service_unavailable, "Too many viewers; try again later.\n");
-      return std::make_shared<WebClient>(loop_, std::move(stream_), seat_, verdict == Access::Verdict::control)->accept(std::move(request));
+      if (!beast::websocket::is_upgrade(request))
+        return refuse(http::status::upgrade_required, "This address speaks WebSocket.\n");
+      if (loop_.client_count >= loop_.options.max_clients)
+        return refuse(http::status::service_unavailable, "Too many viewers; try again later.\n");
+      return std::make_shared<WebClient>(loop_, std::move(stream_), seat_, verdict == Access::Verdict::control)
+          ->accept(std::move(request));
     }
     if (request.method() != http::verb::get && request.method() != http::verb::head) {
       return refuse(http::status::method_not_allowed, "GET only.\n");
@@ -61,7 +67,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     response_.set("X-Content-Type-Options", "nosniff");
     response_.set("Referrer-Policy", "no-referrer");  // the address may hold the token
     if (loop_.access.token_in_query(target)) {
-      response_.set(http::field::set_cookie, loop_.access.cookie_name + "=" + loop_.access.token + "; Path=/; HttpOnly; SameSite=Strict");
+      response_.set(http::field::set_cookie,
+                    loop_.access.cookie_name + "=" + loop_.access.token + "; Path=/; HttpOnly; SameSite=Strict");
     }
     response_.keep_alive(request.keep_alive());
     response_.body() = file->content;

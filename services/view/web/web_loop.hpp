@@ -33,7 +33,7 @@ struct WebLoop {
   WebOptions options;
   WebHandlers handlers;
   PageFiles files;
-  std::size_t connections = 0;         ///< before io, whose last handlers still count down
+  std::size_t connections = 0;  ///< before io, whose last handlers still count down
   boost::asio::io_context io{1};
   boost::asio::ip::tcp::acceptor acceptor;
   Access access;
@@ -43,8 +43,8 @@ struct WebLoop {
   std::atomic<std::size_t> client_count{0};
 
   std::mutex mutex;
-  std::array<Payload, kSlots> fresh;   ///< guarded: to be handed out
-  bool handing_out = false;            ///< guarded: hand_out_fresh is on its way
+  std::array<Payload, kSlots> fresh;  ///< guarded: to be handed out
+  bool handing_out = false;           ///< guarded: hand_out_fresh is on its way
 
   std::thread thread;
 };

@@ -12,8 +12,7 @@ namespace tact::view {
 
 using boost::asio::ip::tcp;
 
-WebLoop::WebLoop(const WebOptions& o)
-    : options(o), files(o.page), acceptor(listen_on(io, o.bind, o.port)) {
+WebLoop::WebLoop(const WebOptions& o) : options(o), files(o.page), acceptor(listen_on(io, o.bind, o.port)) {
   TACT_CHECK(!options.token.empty());
   access.token = options.token;
   access.loopback = acceptor.local_endpoint().address().is_loopback();
@@ -75,9 +74,11 @@ WebServer::~WebServer() {
   boost::asio::post(loop_->io, [loop = loop_.get()] {
     loop->acceptor.close();
     const auto leaving = loop->clients;
-    for (const auto& [id, client] : leaving) client->close(boost::beast::websocket::close_code::going_away, "the viewer ends");
+    for (const auto& [id, client] : leaving)
+      client->close(boost::beast::websocket::close_code::going_away, "the viewer ends");
     // Long enough for the goodbyes to go out; nobody is waited for.
-    auto grace = std::make_shared<boost::asio::steady_timer>(loop->io, std::chrono::milliseconds(leaving.empty() ? 0 : 200));
+    auto grace =
+        std::make_shared<boost::asio::steady_timer>(loop->io, std::chrono::milliseconds(leaving.empty() ? 0 : 200));
     grace->async_wait([loop, grace](boost::system::error_code) { loop->io.stop(); });
   });
   loop_->thread.join();
@@ -87,7 +88,9 @@ std::uint16_t WebServer::port() const { return loop_->acceptor.local_endpoint().
 
 std::string WebServer::url() const {
   const auto address = loop_->acceptor.local_endpoint().address();
-  const std::string name = address.is_unspecified() ? "127.0.0.1" : address.is_v6() ? "[" + address.to_string() + "]" : address.to_string();
+  const std::string name = address.is_unspecified() ? "127.0.0.1"
+                           : address.is_v6()        ? "[" + address.to_string() + "]"
+                                                    : address.to_string();
   return "http://" + name + ":" + std::to_string(port()) + "/?token=" + loop_->options.token;
 }
 
