@@ -88,9 +88,7 @@ bool Endpoint::take(void* sample) noexcept {
   return false;
 }
 
-bool Endpoint::wait(std::int64_t timeout_ns) noexcept {
-  return dds_waitset_wait(waitset_, nullptr, 0, timeout_ns) > 0;
-}
+bool Endpoint::wait(std::int64_t timeout_ns) noexcept { return dds_waitset_wait(waitset_, nullptr, 0, timeout_ns) > 0; }
 
 int Endpoint::matched() const noexcept {
   if (role_ == Role::writer) {

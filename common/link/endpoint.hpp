@@ -30,7 +30,8 @@ class Endpoint {
   std::int32_t topic_ = 0, entity_ = 0, waitset_ = 0;
   Role role_;
   const wire::TopicInfo& info_;
-  std::vector<std::byte> scratch_;  // reader: one sample. What says only that a writer ended must not touch the caller's
+  std::vector<std::byte>
+      scratch_;  // reader: one sample. What says only that a writer ended must not touch the caller's
 };
 
 }  // namespace detail
@@ -44,11 +45,12 @@ class Publisher {
       : endpoint_(participant, wire::topic_info<T>(), detail::Endpoint::Role::writer, incarnation) {}
 
   /// False when DDS refused. Haptic: does not allocate, but over shared memory it may block 10 ms (pool exhausted) and
-  /// for ever after a reader was killed inside an iceoryx lock: call it from a thread somebody can replace (WriteGuard).
+  /// for ever after a reader was killed inside an iceoryx lock: call it from a thread somebody can replace
+  /// (WriteGuard).
   bool write(const T& message) noexcept { return endpoint_.write(&message); }
   int matched() const noexcept { return endpoint_.matched(); }  ///< readers now known
   bool shared_memory_capable() const noexcept { return endpoint_.shared_memory_capable(); }
-  void abandon() noexcept { endpoint_.abandon(); }              ///< never destroyed: that may hang after a peer's crash
+  void abandon() noexcept { endpoint_.abandon(); }  ///< never destroyed: that may hang after a peer's crash
 
  private:
   detail::Endpoint endpoint_;
@@ -62,7 +64,8 @@ class Subscriber {
       : endpoint_(participant, wire::topic_info<T>(), detail::Endpoint::Role::reader, incarnation) {}
 
   /// The oldest message not yet taken; false when there is none, and `out` is untouched then. Sequences' memory is used
-  /// again by later calls: for types with sequences pass a Message<T>. Haptic: frees memory of Cyclone's, allocates none.
+  /// again by later calls: for types with sequences pass a Message<T>. Haptic: frees memory of Cyclone's, allocates
+  /// none.
   bool take(T& out) noexcept { return endpoint_.take(&out); }
   /// The newest, dropping older ones; false when there is none.
   bool take_newest(T& out) noexcept {

@@ -29,8 +29,8 @@ std::shared_ptr<Ends> HapticConnector<Ends>::poll() {
   monitor_.poll(20'000'000);
   const std::string name = kPeerService<Ends>;
   // Also the last words of a peer that refused us first.
-  if (const auto heard = monitor_.latest(name); heard && heard->transport != transport_ &&
-                                                monitor_.silence(name) < std::chrono::seconds{1}) {
+  if (const auto heard = monitor_.latest(name);
+      heard && heard->transport != transport_ && monitor_.silence(name) < std::chrono::seconds{1}) {
     throw SetupError("transport: found \"" + transport_ + "\" here and \"" + heard->transport + "\" in tact-" + name +
                      "; start both from one session file");
   }
@@ -72,7 +72,8 @@ template <class Ends>
 void HapticConnector<Ends>::drop(bool hung) {
   if (!ends_) return;
   const auto last = monitor_.latest(kPeerService<Ends>);
-  const bool orderly = peer_alive(kSurelyAlive) || (last && last->epoch == peer_epoch_ && last->phase == wire::kStopping);
+  const bool orderly =
+      peer_alive(kSurelyAlive) || (last && last->epoch == peer_epoch_ && last->phase == wire::kStopping);
   if (hung || !orderly) ends_->abandon();
   ends_.reset();
   peer_epoch_ = 0;

@@ -86,7 +86,8 @@ Participant::Participant(wire::Channel kind, const Session& session, const Threa
   const auto create = [&] {
     try {
       domain_ = Domain::get(kind, session);
-      entity_ = dds_create_participant(kind == wire::Channel::haptic ? kHapticDomain : kSessionDomain, nullptr, nullptr);
+      entity_ =
+          dds_create_participant(kind == wire::Channel::haptic ? kHapticDomain : kSessionDomain, nullptr, nullptr);
       if (entity_ < 0) failure = std::string("DDS: no participant: ") + dds_strretcode(entity_);
     } catch (const SetupError& e) {
       failure = e.what();
@@ -110,8 +111,8 @@ Participant::~Participant() {
 }
 
 bool Participant::transport_intact() const {
-  return roudi_instance_ == 0 || (roudi_instance() == roudi_instance_ &&
-                                  probe_roudi(std::chrono::milliseconds{100}) == RoudiState::reachable);
+  return roudi_instance_ == 0 ||
+         (roudi_instance() == roudi_instance_ && probe_roudi(std::chrono::milliseconds{100}) == RoudiState::reachable);
 }
 
 bool endpoints_abandoned() noexcept { return abandoned.load(); }
@@ -119,7 +120,8 @@ void note_endpoints_abandoned() noexcept { abandoned.store(true); }
 
 std::uint64_t process_epoch() {
   static const auto epoch = static_cast<std::uint64_t>(
-      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count());
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+          .count());
   return epoch;
 }
 

@@ -167,8 +167,12 @@ void RoudiLease::obtain() {
       return;
     case RoudiState::hung:
       throw SetupError("RouDi: one that Tact did not start runs but reads no messages; kill iox-roudi and try again");
-    case RoudiState::forbidden: require_roudi(milliseconds{0}); return;
-    case RoudiState::absent: start(); return;
+    case RoudiState::forbidden:
+      require_roudi(milliseconds{0});
+      return;
+    case RoudiState::absent:
+      start();
+      return;
   }
 }
 
@@ -176,7 +180,8 @@ void RoudiLease::start() {
   remove_leftovers();
   struct statvfs memory {};
   if (::statvfs("/dev/shm", &memory) != 0) {
-    throw SetupError(std::string("/dev/shm: ") + std::strerror(errno) + "; mount a tmpfs there, or choose transport = \"udp\"");
+    throw SetupError(std::string("/dev/shm: ") + std::strerror(errno) +
+                     "; mount a tmpfs there, or choose transport = \"udp\"");
   }
   const std::uint64_t available = std::uint64_t{memory.f_bavail} * memory.f_frsize;
   if (available < kSharedMemoryNeeded) {
@@ -202,8 +207,7 @@ void RoudiLease::start() {
   const std::string toml = toml_.string();
   const char* const command[] = {"iox-roudi", "-c", toml.c_str(), "-m", "off", nullptr};
   pid_t pid = 0;
-  const int error =
-      ::posix_spawnp(&pid, command[0], &files, &attributes, const_cast<char* const*>(command), environ);
+  const int error = ::posix_spawnp(&pid, command[0], &files, &attributes, const_cast<char* const*>(command), environ);
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&files);
   if (error == ENOENT) {

@@ -49,8 +49,8 @@ class RoudiLease {
     pid_t pid = 0;
     unsigned long long start_time = 0;
     bool operator==(const Identity&) const = default;
-    bool running() const;   ///< a zombie does not
-    void kill() const;      ///< and waits for its end
+    bool running() const;  ///< a zombie does not
+    void kill() const;     ///< and waits for its end
   };
   class Transition;
 

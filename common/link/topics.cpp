@@ -4,11 +4,11 @@
 
 namespace tact::wire {
 
-#define TACT_TOPIC(Type, c_type, name, channel, transient_local, depth)                            \
-  template <>                                                                                      \
-  const TopicInfo& topic_info<Type>() {                                                            \
-    static const TopicInfo info{name, &c_type##_desc, Channel::channel, transient_local, depth};   \
-    return info;                                                                                   \
+#define TACT_TOPIC(Type, c_type, name, channel, transient_local, depth)                          \
+  template <>                                                                                    \
+  const TopicInfo& topic_info<Type>() {                                                          \
+    static const TopicInfo info{name, &c_type##_desc, Channel::channel, transient_local, depth}; \
+    return info;                                                                                 \
   }
 
 // Unkeyed topics with several writers share one history, so their depth holds a burst of all writers.

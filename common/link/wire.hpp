@@ -49,25 +49,35 @@ struct Message : T {
 /// Name, type and quality of service of each topic: the table of idl/README.md, in code. Defined in topics.cpp.
 enum class Channel { session, haptic };
 struct TopicInfo {
-  const char* name;         ///< "device_state"
-  const void* descriptor;   ///< dds_topic_descriptor_t
+  const char* name;        ///< "device_state"
+  const void* descriptor;  ///< dds_topic_descriptor_t
   Channel channel;
-  bool transient_local;     ///< late readers get the last sample
-  int depth;                ///< KEEP_LAST of writer and reader
+  bool transient_local;  ///< late readers get the last sample
+  int depth;             ///< KEEP_LAST of writer and reader
 };
 template <class T>
 const TopicInfo& topic_info();
 
-template <> const TopicInfo& topic_info<ToolPose>();
-template <> const TopicInfo& topic_info<ContactWrench>();
-template <> const TopicInfo& topic_info<ContactSet>();
-template <> const TopicInfo& topic_info<DeviceState>();
-template <> const TopicInfo& topic_info<HandTarget>();
-template <> const TopicInfo& topic_info<Parameter>();
-template <> const TopicInfo& topic_info<ParameterAck>();
-template <> const TopicInfo& topic_info<Health>();
-template <> const TopicInfo& topic_info<SceneInfo>();
-template <> const TopicInfo& topic_info<SessionStats>();
+template <>
+const TopicInfo& topic_info<ToolPose>();
+template <>
+const TopicInfo& topic_info<ContactWrench>();
+template <>
+const TopicInfo& topic_info<ContactSet>();
+template <>
+const TopicInfo& topic_info<DeviceState>();
+template <>
+const TopicInfo& topic_info<HandTarget>();
+template <>
+const TopicInfo& topic_info<Parameter>();
+template <>
+const TopicInfo& topic_info<ParameterAck>();
+template <>
+const TopicInfo& topic_info<Health>();
+template <>
+const TopicInfo& topic_info<SceneInfo>();
+template <>
+const TopicInfo& topic_info<SessionStats>();
 
 /// Frees what the sequences of a message own.
 void free_contents(void* message, const TopicInfo& info);

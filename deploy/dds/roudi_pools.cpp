@@ -14,5 +14,6 @@ int main() {
   constexpr std::size_t kCount = 4000;
   std::printf("# Generated from the sizes of the haptic messages (ToolPose %zu B, ContactWrench %zu B).\n",
               sizeof(tact_haptic_ToolPose), sizeof(tact_haptic_ContactWrench));
-  std::printf("[general]\nversion = 1\n\n[[segment]]\n\n[[segment.mempool]]\nsize = %zu\ncount = %zu\n", kChunk, kCount);
+  std::printf("[general]\nversion = 1\n\n[[segment]]\n\n[[segment.mempool]]\nsize = %zu\ncount = %zu\n", kChunk,
+              kCount);
 }

@@ -23,9 +23,9 @@ struct ContactSnapshot {
   Wrench F_W;
   double stiffness_n_per_m = 0;
   std::uint64_t params_version = 0;
-  std::uint32_t total = 0;            ///< before truncation
+  std::uint32_t total = 0;  ///< before truncation
   std::uint32_t size = 0;
-  std::array<Item, kMax> items;       ///< sorted by force, largest first, when truncated
+  std::array<Item, kMax> items;  ///< sorted by force, largest first, when truncated
 };
 
 /// Fills snapshots. Owns the scratch memory: a copy of nothing is kept.

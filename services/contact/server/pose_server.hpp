@@ -21,8 +21,8 @@ namespace tact::contact {
 ///                              +--> snapshot mailbox --> SessionLink
 ///
 /// The serve thread is real-time: once connected it neither allocates nor locks (Cyclone frees one sample a take). A
-/// supervisor, which is not, connects it to each coupling incarnation and replaces it when it hangs in a write. It keeps
-/// phase and detail of Health from start() on: kConnecting, kActive.
+/// supervisor, which is not, connects it to each coupling incarnation and replaces it when it hangs in a write. It
+/// keeps phase and detail of Health from start() on: kConnecting, kActive.
 class PoseServer {
  public:
   struct Params {

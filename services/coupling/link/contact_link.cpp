@@ -11,11 +11,11 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 using std::chrono::steady_clock;
 
-constexpr std::int64_t kWaitNs = 20'000'000;         // how often the threads look at `stop`
-constexpr milliseconds kSilence{500};                // matched, poses sent, no reply: rebuild
-constexpr milliseconds kSurelyAlive{300};            // Health heard more recently: not killed when silence began
-constexpr seconds kReconnectLimit{2};                // to a server that is ready: then something is stuck
-constexpr seconds kConnectLimit{10};                 // the first time: discovery on a busy machine
+constexpr std::int64_t kWaitNs = 20'000'000;  // how often the threads look at `stop`
+constexpr milliseconds kSilence{500};         // matched, poses sent, no reply: rebuild
+constexpr milliseconds kSurelyAlive{300};     // Health heard more recently: not killed when silence began
+constexpr seconds kReconnectLimit{2};         // to a server that is ready: then something is stuck
+constexpr seconds kConnectLimit{10};          // the first time: discovery on a busy machine
 constexpr std::uint32_t kOwnFaults = bit(Fault::transport_degraded) | bit(Fault::peer_restarted);
 
 std::int64_t now_ns() noexcept { return steady_clock::now().time_since_epoch() / std::chrono::nanoseconds{1}; }

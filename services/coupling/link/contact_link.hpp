@@ -30,9 +30,9 @@ namespace tact::coupling {
 class ContactLink {
  public:
   struct Params {
-    int priority = 70;      ///< SCHED_FIFO of the send and receive threads; 0: normal
+    int priority = 70;  ///< SCHED_FIFO of the send and receive threads; 0: normal
     int cpu = -1;
-    ToolSample probe;       ///< the pose the transport is proven with: where the tool starts
+    ToolSample probe;  ///< the pose the transport is proven with: where the tool starts
   };
 
   /// Makes the haptic participant. `low` is the session participant; all references must outlive it.
@@ -65,10 +65,10 @@ class ContactLink {
   struct Connection {
     std::shared_ptr<CouplingEnds> ends;
     std::uint64_t server_epoch = 0;
-    std::atomic<bool> proven{false};         // proof is complete; `proof` may be read
+    std::atomic<bool> proven{false};  // proof is complete; `proof` may be read
     TransportProof proof;
-    std::atomic<std::uint64_t> sent{0};      // poses since the last reply
-    std::atomic<std::int64_t> reply_ns{0};   // when the last reply came
+    std::atomic<std::uint64_t> sent{0};     // poses since the last reply
+    std::atomic<std::int64_t> reply_ns{0};  // when the last reply came
   };
 
   void supervise();

@@ -60,7 +60,8 @@ TEST(StopSignal, TerminationWakesWhoeverWaits) {
 }
 
 TEST(StopSignal, GivesTheHandlersBack) {
-  struct sigaction before {}, after {};
+  struct sigaction before {
+  }, after{};
   ::sigaction(SIGTERM, nullptr, &before);
   { const StopSignal stop; }
   ::sigaction(SIGTERM, nullptr, &after);

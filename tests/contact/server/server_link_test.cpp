@@ -24,8 +24,9 @@ class Loop {
  public:
   explicit Loop(coupling::Mailboxes& mail)
       : mail_(mail),
-        thread_({.name = "loop", .priority = 80}, [ticker = rt::Ticker(1'000'000)]() mutable { return ticker.wait(); },
-                [this](const rt::Tick&) noexcept { return tick(); }) {}
+        thread_(
+            {.name = "loop", .priority = 80}, [ticker = rt::Ticker(1'000'000)]() mutable { return ticker.wait(); },
+            [this](const rt::Tick&) noexcept { return tick(); }) {}
   std::atomic<std::uint64_t> replies{0}, late{0};
   std::atomic<double> force_x{0};
   std::atomic<std::uint64_t> params_version{0};
@@ -91,9 +92,10 @@ TEST_P(ContactServer, ThePoseComesBackAsAWrench) {
   EXPECT_GT(loop.force_x, 0.1);  // out of the body
   loop.stop();
   const rt::Histogram& h = loop.round_trip();
-  std::printf("%s: round trip with contact and link threads, p50 %.0f p99 %.0f p99.9 %.0f max %.0f us, %lu late of %lu\n",
-              GetParam(), h.percentile_ns(0.5) / 1e3, h.percentile_ns(0.99) / 1e3, h.percentile_ns(0.999) / 1e3,
-              h.max_ns / 1e3, loop.late.load(), loop.replies.load());
+  std::printf(
+      "%s: round trip with contact and link threads, p50 %.0f p99 %.0f p99.9 %.0f max %.0f us, %lu late of %lu\n",
+      GetParam(), h.percentile_ns(0.5) / 1e3, h.percentile_ns(0.99) / 1e3, h.percentile_ns(0.999) / 1e3, h.max_ns / 1e3,
+      loop.late.load(), loop.replies.load());
   std::printf("%s: %s\n", GetParam(), health_.now().detail);
 }
 
