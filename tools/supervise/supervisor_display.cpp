@@ -72,7 +72,7 @@ void Supervisor::announce() {
        : monitor_->shared_memory_proven() ? "shared memory, proven"
                                           : "shared memory"));
   for (const auto& part : monitor_->report().loaded) {
-    console_.line(text("  loaded %-40s %6.2f s %8.1f MB", part.what.c_str(), part.seconds,
+    console_.line(text("  loaded %-36s %6.2f s %8.1f MB", part.what.c_str(), part.seconds,
                        static_cast<double>(part.bytes) / 1e6));
   }
   next_measure_ = {};
