@@ -87,7 +87,13 @@ function(tact_test name)
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/common" "${PROJECT_SOURCE_DIR}/services" "${PROJECT_SOURCE_DIR}/tests")
   target_link_libraries(${name} PRIVATE tact_warnings ${ARG_LIBS} GTest::gtest GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 300)
+  # System tests kill processes, and RouDi is one for the whole machine: never two at once.
+  set(serial FALSE)
+  if("system" IN_LIST ARG_LABELS)
+    set(serial TRUE)
+  endif()
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
+    PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 300 RUN_SERIAL ${serial})
 endfunction()
 
 # Third-party headers are SYSTEM through imported targets: warnings are for our code only.
