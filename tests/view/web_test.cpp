@@ -315,6 +315,7 @@ TEST_F(WebServerTest, AClientThatTakesNoEventsIsDroppedAndTheOthersStay) {
     const std::lock_guard lock(mutex);
     dropped = !left.empty();
   }
+  const std::lock_guard lock(mutex);
   EXPECT_EQ(left, std::vector<ClientId>{joined[0].first});
 }
 

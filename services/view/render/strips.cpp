@@ -15,7 +15,8 @@ struct Strip {
   const char* unit;
   float HistorySample::*value;
   cv::Scalar colour;
-  double limit;  // <= 0: none
+  double limit;     // <= 0: none
+  double smallest;  // scale: noise about zero stays small
 };
 
 void draw_strip(cv::Mat area, const History& history, const Strip& strip, double window_s) {
@@ -28,7 +29,7 @@ void draw_strip(cv::Mat area, const History& history, const Strip& strip, double
   double largest = 0;
   while (first > 0 && history[first - 1].time_s > end_s - window_s)
     largest = std::max(largest, static_cast<double>(history[--first].*strip.value));
-  const double scale = round_scale(std::max(largest, strip.limit));
+  const double scale = round_scale(std::max({largest, strip.limit, strip.smallest}));
   const auto y_of = [&](double v) { return bottom - (bottom - top) * std::clamp(v / scale, 0.0, 1.0); };
 
   const auto level = [&](double v, const cv::Scalar& colour) {
@@ -80,11 +81,11 @@ Image draw_strips(const ViewScene& scene, int width, int height, double window_s
   mat = ink::kPaper;
   const double x_max_m = scene.info.x_max_m;
   const std::array<Strip, 5> strips{{
-      {"Force", "N", &HistorySample::force_n, ink::kForce, scene.info.stiffness_n_per_m * x_max_m},
-      {"Torque", "Nm", &HistorySample::torque_nm, ink::kTorque, 0},
-      {"Contacts", "", &HistorySample::contacts, ink::kContacts, 0},
-      {"Penetration", "mm", &HistorySample::penetration_mm, ink::kDepth, 1e3 * x_max_m},
-      {"Tick", "us", &HistorySample::tick_us, ink::kTick, 0},
+      {"Force", "N", &HistorySample::force_n, ink::kForce, scene.info.stiffness_n_per_m * x_max_m, 1},
+      {"Torque", "Nm", &HistorySample::torque_nm, ink::kTorque, 0, 0.01},
+      {"Contacts", "", &HistorySample::contacts, ink::kContacts, 0, 10},
+      {"Penetration", "mm", &HistorySample::penetration_mm, ink::kDepth, 1e3 * x_max_m, 0.01},
+      {"Tick", "us", &HistorySample::tick_us, ink::kTick, 0, 100},
   }};
   const int each = height / static_cast<int>(strips.size());
   for (std::size_t i = 0; i < strips.size(); ++i) {
