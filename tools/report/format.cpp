@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -25,6 +26,36 @@ std::string row(const char* label, const std::string& value) { return text("  %-
 
 std::string row(const char* label, const Percentiles& p) {
   return row(label, text("%9.1f %9.1f %9.1f %9.1f", p.p50, p.p99, p.p999, p.max));
+}
+
+/// Each kind of fault once, when it first came and how often.
+std::string fault_rows(const std::vector<FaultEvent>& faults) {
+  constexpr std::size_t kShown = 16;
+  struct Kind {
+    const FaultEvent* first;
+    int times;
+  };
+  std::vector<Kind> kinds;
+  for (const FaultEvent& f : faults) {
+    const auto known = std::find_if(kinds.begin(), kinds.end(), [&](const Kind& k) {
+      return k.first->name == f.name && k.first->detail == f.detail;
+    });
+    if (known != kinds.end()) {
+      ++known->times;
+    } else {
+      kinds.push_back({&f, 1});
+    }
+  }
+  if (kinds.empty()) return row("faults", "none");
+  std::string out;
+  for (std::size_t i = 0; i < kinds.size() && i < kShown; ++i) {
+    const FaultEvent& f = *kinds[i].first;
+    out +=
+        row(i == 0 ? "faults" : "", text("%7.2f s  ", f.time_s) + f.name + (f.detail.empty() ? "" : ": " + f.detail) +
+                                        (kinds[i].times > 1 ? text(" (%d times)", kinds[i].times) : std::string()));
+  }
+  if (kinds.size() > kShown) out += row("", text("and %zu kinds more (see --report)", kinds.size() - kShown));
+  return out;
 }
 
 }  // namespace
@@ -114,14 +145,7 @@ std::string to_table(const SessionReport& r) {
     out += row(u.name.c_str(), text("%.0f %% of a core, %.0f MB resident", u.cpu_percent, u.memory_mb) +
                                    (u.restarts ? text(", restarted %d times", u.restarts) : std::string()));
   }
-  if (r.faults.empty()) out += row("faults", "none");
-  constexpr std::size_t kShown = 12;
-  for (std::size_t i = 0; i < r.faults.size() && i < kShown; ++i) {
-    const auto& f = r.faults[i];
-    out +=
-        row(i == 0 ? "faults" : "", text("%7.2f s  ", f.time_s) + f.name + (f.detail.empty() ? "" : ": " + f.detail));
-  }
-  if (r.faults.size() > kShown) out += row("", "and " + count(r.faults.size() - kShown) + " more (see --report)");
+  out += fault_rows(r.faults);
   return out;
 }
 

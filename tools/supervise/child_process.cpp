@@ -108,7 +108,8 @@ std::string reason_of(const Ending& ending, const std::filesystem::path& log) {
   std::string how = ending.signal != 0
                         ? "killed by signal " + std::to_string(ending.signal) + " (" + ::strsignal(ending.signal) + ")"
                         : "ended with code " + std::to_string(ending.code);
-  if (!last.empty()) how += "; its last words: " + last;
+  const bool from_outside = ending.signal == SIGKILL || ending.signal == SIGTERM;
+  if (!last.empty() && !from_outside) how += "; its last words: " + last;
   return how;
 }
 

@@ -1,5 +1,6 @@
 #include "supervise/supervisor.hpp"
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 
@@ -221,6 +222,7 @@ void Supervisor::measure() {
   for (const auto& s : services_) {
     if (!s->child || s->child->poll()) continue;
     s->use = use_of(s->child->pid());
+    s->peak_mb = std::max(s->peak_mb, s->use.resident_mb);
   }
 }
 

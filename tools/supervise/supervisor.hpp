@@ -49,6 +49,7 @@ class Supervisor {
     std::optional<Time> start_at;  ///< set: dead, to be started then
     int restarts = 0;
     ProcessUse use;            ///< of the running child, last seen
+    double peak_mb = 0;        ///< resident, of any of them
     double earlier_cpu_s = 0;  ///< of its predecessors
     double lived_s = 0;
     Time started{};

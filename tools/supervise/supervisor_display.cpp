@@ -91,7 +91,7 @@ void Supervisor::write_report() {
     double lived_s = s->lived_s;
     if (s->child) lived_s += std::chrono::duration<double>(Clock::now() - s->started).count();
     const double cpu_s = s->earlier_cpu_s + s->use.cpu_s;
-    report.services.push_back({s->name, lived_s > 0 ? 100 * cpu_s / lived_s : 0, s->use.resident_mb, s->restarts});
+    report.services.push_back({s->name, lived_s > 0 ? 100 * cpu_s / lived_s : 0, s->peak_mb, s->restarts});
   }
   console_.line(report::to_table(report));
   if (!options_.report.empty()) {

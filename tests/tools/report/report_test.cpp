@@ -184,6 +184,16 @@ TEST(Report, JsonHasEveryDocumentedKey) {
   EXPECT_DOUBLE_EQ(json["faults"][0]["time_s"], 1.5);
 }
 
+TEST(Report, TheTableShowsEachKindOfFaultOnceWithItsFirstTime) {
+  SessionReport report;
+  for (int i = 1; i <= 3; ++i) report.faults.push_back({1.0 * i, "wrench_late", "reported by coupling"});
+  report.faults.push_back({2.5, "service_ended", "contact"});
+  const std::string table = to_table(report);
+  EXPECT_NE(table.find("1.00 s  wrench_late: reported by coupling (3 times)"), std::string::npos) << table;
+  EXPECT_NE(table.find("2.50 s  service_ended: contact\n"), std::string::npos) << table;
+  EXPECT_EQ(table.find("2.00 s"), std::string::npos) << table;
+}
+
 TEST(Plot, IsAPngEvenOfAnAwkwardTitle) {
   const auto png = std::filesystem::path(testing::TempDir()) / "it's a plot.png";
   std::vector<Sample> samples;
