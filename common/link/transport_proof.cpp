@@ -1,8 +1,10 @@
 #include "link/transport_proof.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include "rt/histogram.hpp"
 
@@ -61,15 +63,24 @@ TransportProof prove_transport(CouplingEnds& ends, wire::ToolPose pose, WriteGua
     proof = {};
     rt::Histogram times;
     const std::uint64_t before = udp_datagrams_sent();
+    const std::int64_t begin_ns = now_ns();
     for (; proof.round_trips < round_trips; ++proof.round_trips) {
       ++pose.seq;
       pose.t_mono_ns = now_ns();
       if (!round_trip(ends, pose, guard)) return proof;
       times.add(now_ns() - pose.t_mono_ns);
     }
-    proof.datagrams = udp_datagrams_sent() - before;
+    const std::uint64_t limit = static_cast<std::uint64_t>(round_trips) * 4 / 5;
+    const std::int64_t took_ns = now_ns() - begin_ns;
     proof.answered = true;
-    proof.no_datagrams = proof.datagrams < static_cast<std::uint64_t>(round_trips) * 4 / 5;
+    proof.datagrams = udp_datagrams_sent() - before;
+    if (proof.datagrams >= limit) {
+      // Ours, or those of others on this machine? Count as long again while we are quiet.
+      const std::uint64_t quiet = udp_datagrams_sent();
+      std::this_thread::sleep_for(std::chrono::nanoseconds{took_ns});
+      proof.datagrams -= std::min(proof.datagrams, udp_datagrams_sent() - quiet);
+    }
+    proof.no_datagrams = proof.datagrams < limit;
     proof.p50_us = times.percentile_ns(0.5) * 1e-3;
     proof.p99_us = times.percentile_ns(0.99) * 1e-3;
     proof.max_us = times.max_ns * 1e-3;

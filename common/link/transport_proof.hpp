@@ -12,11 +12,11 @@ std::uint64_t udp_datagrams_sent();
 
 struct TransportProof {
   bool answered = false;  ///< every pose was
-  /// Neither direction used the network: fewer datagrams were sent, by anybody, than four fifths of the round trips. A
-  /// single direction on UDP makes as many as round trips, and acknowledgements.
+  /// Neither direction used the network: fewer datagrams than four fifths of the round trips. A single direction on UDP
+  /// makes as many as round trips, and acknowledgements.
   bool no_datagrams = false;
   int round_trips = 0;
-  std::uint64_t datagrams = 0;  ///< sent by anybody meanwhile
+  std::uint64_t datagrams = 0;  ///< sent meanwhile; when many, less those sent in a quiet time as long
   double p50_us = 0, p99_us = 0, max_us = 0;
   std::string text() const;  ///< "500 round trips, p50 25 us, p99 60 us, max 190 us, 3 datagrams"
 };

@@ -1,7 +1,12 @@
 // Two real processes, real RouDi.
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <signal.h>
+#include <sys/socket.h>
 #include <unistd.h>
+
+#include <atomic>
+#include <thread>
 
 #include "link/roudi.hpp"
 #include "session/session.hpp"
@@ -40,6 +45,27 @@ TEST_P(Haptic, PosesAreAnsweredAndTheTransportIsProven) {
   ASSERT_TRUE(says(coupling, "answered=")) << coupling.output() << contact.output();
   std::printf("%s: %s", GetParam(), coupling.output().c_str());
   EXPECT_TRUE(says(coupling, shm() ? "answered=1 no_datagrams=1" : "answered=1 no_datagrams=0"));
+}
+
+TEST_P(Haptic, OthersDatagramsDoNotSpoilTheProof) {
+  std::atomic<bool> stop{false};
+  std::thread other([&stop] {
+    const int file = ::socket(AF_INET, SOCK_DGRAM, 0);
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(9);
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    for (auto next = std::chrono::steady_clock::now(); !stop; next += std::chrono::milliseconds{1}) {
+      for (int i = 0; i < 30; ++i) ::sendto(file, &to, 16, 0, reinterpret_cast<sockaddr*>(&to), sizeof to);
+      std::this_thread::sleep_until(next);
+    }
+    ::close(file);
+  });
+  auto contact = start("contact", "contact");
+  auto coupling = start("coupling", "coupling");
+  EXPECT_TRUE(says(coupling, shm() ? "answered=1 no_datagrams=1" : "answered=1 no_datagrams=0")) << coupling.output();
+  stop = true;
+  other.join();
 }
 
 TEST_P(Haptic, AKilledServerIsReplacedByANewIncarnation) {
