@@ -17,7 +17,7 @@
 namespace tact {
 namespace {
 
-constexpr std::array kSignals{SIGINT, SIGTERM};
+constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
 
 // A handler sees globals only. The event counter is never read back to zero: once set it stays readable.
 std::atomic<int> event_file{-1};
@@ -40,7 +40,11 @@ StopSignal::StopSignal() {
   struct sigaction action {};
   action.sa_handler = tact_on_stop_signal;
   action.sa_flags = SA_RESTART;
-  for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &action, &previous[i]);
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    sigaction(kSignals[i], &action, &previous[i]);
+    const bool nohup = kSignals[i] == SIGHUP && previous[i].sa_handler == SIG_IGN;
+    if (nohup) sigaction(SIGHUP, &previous[i], nullptr);
+  }
 }
 
 StopSignal::~StopSignal() {

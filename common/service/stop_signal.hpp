@@ -3,8 +3,9 @@
 
 namespace tact {
 
-/// The wish to stop, by SIGINT, SIGTERM or request(). Made before the service starts its threads; once set it stays
-/// set. One a process at a time; the previous signal handlers come back with the destructor.
+/// The wish to stop, by SIGINT, SIGTERM, SIGHUP (unless ignored, as under nohup) or request(). Made before the service
+/// starts its threads; once set it stays set. One a process at a time; the previous signal handlers come back with the
+/// destructor.
 class StopSignal {
  public:
   StopSignal();
