@@ -16,7 +16,7 @@ struct TransportProof {
   /// makes as many as round trips, and acknowledgements.
   bool no_datagrams = false;
   int round_trips = 0;
-  std::uint64_t datagrams = 0;  ///< sent meanwhile; when many, less those sent in a quiet time as long
+  std::uint64_t datagrams = 0;  ///< of the exchange: its median tenth, less those of others, times ten
   double p50_us = 0, p99_us = 0, max_us = 0;
   std::string text() const;  ///< "500 round trips, p50 25 us, p99 60 us, max 190 us, 3 datagrams"
 };
@@ -24,9 +24,11 @@ struct TransportProof {
 /// Sequence numbers of proof poses have this bit: their replies are never mistaken for those of ticks.
 inline constexpr std::uint64_t kProofSeq = std::uint64_t{1} << 63;
 
-/// Sends `round_trips` copies of `pose` (TOOL_POSE_QUERY_ONLY set) one after the other, each after the reply to the one
-/// before, and counts datagrams: other processes may send some, so up to three attempts. Coupling's side, on its
-/// writing thread; the guard may be abandoned meanwhile (answered is false then, and the caller returns at once).
+/// Sends `round_trips` (a multiple of ten) copies of `pose` (TOOL_POSE_QUERY_ONLY set) one after the other, each after
+/// the reply to the one before, in ten blocks. Datagrams are counted over each block; where there are many, again over
+/// a quiet time as long, to take off those of other processes. The median block decides; three attempts. Coupling's
+/// side, on its writing thread; the guard may be abandoned meanwhile (answered is false then, and the caller returns at
+/// once).
 TransportProof prove_transport(CouplingEnds& ends, wire::ToolPose pose, WriteGuard& guard, int round_trips = 500);
 
 }  // namespace tact
