@@ -1,0 +1,54 @@
+#include "support/tact_run.hpp"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <fstream>
+
+namespace tact::test {
+namespace fs = std::filesystem;
+
+namespace {
+fs::path build_dir() { return fs::read_symlink("/proc/self/exe").parent_path().parent_path(); }
+}  // namespace
+
+fs::path TactRun::program() { return build_dir() / "bin" / "tact"; }
+
+std::map<std::string, std::string> TactRun::environment() {
+  return {{"TACT_CACHE", (build_dir() / "test-cache").string()}};
+}
+
+std::string TactRun::unique_name() {
+  static int count = 0;
+  return "t" + std::to_string(getpid()) + "-" + std::to_string(++count);
+}
+
+std::vector<std::string> TactRun::command(std::vector<std::string> arguments) const {
+  std::vector<std::string> words{program(), "run"};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  words.insert(words.end(), {"--session", session_, "--report", scratch_.path() / "report.json"});
+  return words;
+}
+
+TactRun::TactRun(std::vector<std::string> arguments)
+    : process_(command(std::move(arguments)), scratch_.path() / "output.txt", environment()) {}
+
+int TactRun::wait(std::chrono::seconds limit) {
+  const auto code = process_.wait(limit);
+  EXPECT_TRUE(code.has_value()) << "tact run did not end\n" << output();
+  return code.value_or(-1);
+}
+
+int TactRun::stop() {
+  process_.signal(SIGINT);
+  return wait(std::chrono::seconds{30});
+}
+
+nlohmann::json TactRun::report() const {
+  std::ifstream in(scratch_.path() / "report.json");
+  EXPECT_TRUE(in.good()) << "no report was written\n" << output();
+  return in ? nlohmann::json::parse(in, nullptr, false) : nlohmann::json{};
+}
+
+}  // namespace tact::test
