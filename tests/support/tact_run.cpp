@@ -32,7 +32,11 @@ std::vector<std::string> TactRun::command(std::vector<std::string> arguments) co
 }
 
 TactRun::TactRun(std::vector<std::string> arguments)
-    : process_(command(std::move(arguments)), scratch_.path() / "output.txt", environment()) {}
+    : process_(command(std::move(arguments)), scratch_.path() / "output.txt", [this] {
+        auto variables = environment();
+        variables["XDG_RUNTIME_DIR"] = scratch_.path();
+        return variables;
+      }()) {}
 
 int TactRun::wait(std::chrono::seconds limit) {
   const auto code = process_.wait(limit);

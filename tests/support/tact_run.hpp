@@ -20,6 +20,8 @@ class TactRun {
   std::string output() const { return process_.output(); }
   nlohmann::json report() const;
   const std::string& session() const { return session_; }
+  /// Where the session keeps its files while it runs.
+  std::filesystem::path run_dir() const { return scratch_.path() / "tact" / session_; }
 
   /// The tact program, and where services are.
   static std::filesystem::path program();
