@@ -21,7 +21,8 @@ std::map<std::string, std::string> TactRun::environment() {
 
 std::string TactRun::unique_name() {
   static int count = 0;
-  return "t" + std::to_string(getpid()) + "-" + std::to_string(++count);
+  std::string name = "t";
+  return name.append(std::to_string(getpid())).append("-").append(std::to_string(++count));
 }
 
 std::vector<std::string> TactRun::command(std::vector<std::string> arguments) const {
