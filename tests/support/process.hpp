@@ -15,7 +15,8 @@ namespace tact::test {
 /// Whatever still runs at the end of a test is killed, with its group.
 class Process {
  public:
-  Process(std::vector<std::string> command, std::filesystem::path log, std::map<std::string, std::string> environment = {});
+  Process(std::vector<std::string> command, std::filesystem::path log,
+          std::map<std::string, std::string> environment = {});
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;

@@ -26,9 +26,7 @@ class BadInput : public ::testing::Test {
     return write("good.obj", "v 0 0 0\nv 50 0 0\nv 0 50 0\nv 0 0 50\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   }
 
-  fs::path scene(const std::string& more) {
-    return write("s.toml", "schema = 1\nname = \"s\"\n" + more);
-  }
+  fs::path scene(const std::string& more) { return write("s.toml", "schema = 1\nname = \"s\"\n" + more); }
 
   /// Runs, expects failure with exactly one line that holds every word, and nothing left behind.
   void expect_refused(std::vector<std::string> arguments, const std::vector<std::string>& words) {
@@ -61,9 +59,7 @@ class BadInput : public ::testing::Test {
 
 TEST_F(BadInput, AnUnknownSceneIsNamed) { expect_refused({"no-such-scene"}, {"no-such-scene"}); }
 
-TEST_F(BadInput, AMalformedSceneNamesFileAndLine) {
-  expect_refused({scene("[tool\n").string()}, {"s.toml", "3"});
-}
+TEST_F(BadInput, AMalformedSceneNamesFileAndLine) { expect_refused({scene("[tool\n").string()}, {"s.toml", "3"}); }
 
 TEST_F(BadInput, AnUnknownKeyIsNamed) {
   expect_refused({scene("[tool]\nshape = \"box\"\nponts = 10\n[obstacle]\nshape = \"box\"\n").string()},
@@ -110,8 +106,7 @@ TEST_F(BadInput, AnUnknownScriptIsNamedWithTheKnownOnes) {
 }
 
 TEST_F(BadInput, AHandFileWithABadRowNamesTheLine) {
-  const auto hand = write("hand.csv",
-                          "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n1,nan,0,0,1,0,0,0\n");
+  const auto hand = write("hand.csv", "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n1,nan,0,0,1,0,0,0\n");
   expect_refused({"peg", "--hand", hand}, {"hand.csv", "3"});
 }
 

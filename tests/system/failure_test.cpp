@@ -79,7 +79,8 @@ TEST_P(ContactServerKilled, CalmsTheArmWithinTwentyTicksAndComesBackByItself) {
   expect_calm_after_last_fresh(session.flight(), 2 * 5.0 + 1e-6);
   EXPECT_TRUE(eventually([&] { return session.pid("contact") != victim && session.pid("contact") > 0; }, seconds{30}))
       << session.run.output();
-  EXPECT_TRUE(eventually([&] { return session.observer.active() && session.observer.in_steady_contact(); }, seconds{60}))
+  EXPECT_TRUE(
+      eventually([&] { return session.observer.active() && session.observer.in_steady_contact(); }, seconds{60}))
       << session.run.output();
   EXPECT_EQ(session.run.stop(), 0) << session.run.output();
   EXPECT_TRUE(names(session.run.report(), "wrench_stale")) << session.run.report().dump(2);
@@ -97,7 +98,8 @@ TEST(ContactServerStopped, ForThreeSecondsCalmsTheArmAndTheGridDoesNotSlip) {
   EXPECT_TRUE(eventually([&] { return session.observer.device().tick > before + 3000; }, seconds{20}))
       << "the device loop goes on ticking";
   kill(victim, SIGCONT);
-  EXPECT_TRUE(eventually([&] { return session.observer.active() && session.observer.in_steady_contact(); }, seconds{60}))
+  EXPECT_TRUE(
+      eventually([&] { return session.observer.active() && session.observer.in_steady_contact(); }, seconds{60}))
       << session.run.output();
   EXPECT_EQ(session.run.stop(), 0);
   const auto report = session.run.report();
@@ -111,7 +113,8 @@ TEST(CouplingKilled, IsStartedAgainAndTheSessionGoesOn) {
   kill(victim, SIGKILL);
   EXPECT_TRUE(eventually([&] { return session.pid("coupling") > 0 && session.pid("coupling") != victim; }, seconds{30}))
       << session.run.output();
-  EXPECT_TRUE(eventually([&] { return session.observer.active() && session.observer.in_steady_contact(); }, seconds{60}))
+  EXPECT_TRUE(
+      eventually([&] { return session.observer.active() && session.observer.in_steady_contact(); }, seconds{60}))
       << session.run.output();
   EXPECT_EQ(session.run.stop(), 0);
 }
@@ -139,9 +142,15 @@ TEST(RouDiKilled, IsReportedAndReplacedWithoutEndingTheSession) {
   ASSERT_EQ(roudi.size(), 1u);
   kill(roudi.front(), SIGKILL);
   // In contact the pair goes on for up to ten seconds; then all shared-memory processes start anew.
-  EXPECT_TRUE(eventually([&] { const auto now = pids_of("iox-roudi"); return now.size() == 1 && now != roudi; }, seconds{40}))
+  EXPECT_TRUE(eventually(
+      [&] {
+        const auto now = pids_of("iox-roudi");
+        return now.size() == 1 && now != roudi;
+      },
+      seconds{40}))
       << session.run.output();
-  EXPECT_TRUE(eventually([&] { return session.observer.active() && session.observer.in_steady_contact(); }, seconds{60}))
+  EXPECT_TRUE(
+      eventually([&] { return session.observer.active() && session.observer.in_steady_contact(); }, seconds{60}))
       << session.run.output();
   EXPECT_EQ(session.run.stop(), 0);
   EXPECT_TRUE(names(session.run.report(), "transport_degraded")) << session.run.report().dump(2);

@@ -22,15 +22,17 @@ HandMotion straight(const std::vector<Vec3>& corners, const std::vector<double>&
 
 /// The alpha puzzle. The tool's loop holds the obstacle's upper strand S (direction s), tip down, its plane across S.
 /// `solve` turns the tool about S until one flank lies level in the gap, slides along S past the crossing and off the
-/// leg's end, and turns back; `cheat` goes the straight way between the same two poses. See deploy/scenes/README.md.
+/// leg's end, and turns back; `lean` is the same way by a hand that leans on the lower strand while it slides; `cheat`
+/// goes the straight way between the same two poses. See deploy/scenes/README.md.
 struct AlphaMotions {
-  HandMotion solve, cheat;
+  HandMotion solve, lean, cheat;
 };
 
 AlphaMotions alpha_motions() {
   constexpr double kStart = 0.042, kEnd = -0.150;  // of the tool's plane along S from the crossing
   constexpr double kAboveTip = 0.0282;             // S above the flanks' meeting point, at start: wedged between them
   constexpr double kAlongFlank = 0.042;            // S along the level flank from there, while sliding
+  constexpr double kLean = 0.003;                  // below the middle of the gap: some 2 mm into the lower strand
   const shapes::Alpha alpha = shapes::alpha_from({});
   const double g = alpha.tip_half_rad, level = std::numbers::pi / 2 - g;
   const Vec3 s = alpha.strand_direction();
@@ -57,14 +59,17 @@ AlphaMotions alpha_motions() {
     key.time_s = time_s;
     return key;
   };
-  return {minimum_jerk({start,
-                        at(1, start),
-                        {5.5, on_strand(kStart), held_level, q_level},
-                        {11.5, on_strand(kEnd), held_level, q_level},
-                        at(16, free),
-                        at(17, free)},
-                       kRate_hz),
-          minimum_jerk({start, at(1, start), at(7, free), at(9, free)}, kRate_hz)};
+  const auto through = [&](double below) {
+    const Vec3 lower = -below * Vec3::UnitZ();
+    return minimum_jerk({start,
+                         at(1, start),
+                         {5.5, on_strand(kStart) + lower, held_level, q_level},
+                         {11.5, on_strand(kEnd) + lower, held_level, q_level},
+                         at(16, free),
+                         at(17, free)},
+                        kRate_hz);
+  };
+  return {through(0), through(kLean), minimum_jerk({start, at(1, start), at(7, free), at(9, free)}, kRate_hz)};
 }
 
 }  // namespace
@@ -72,6 +77,7 @@ AlphaMotions alpha_motions() {
 std::map<std::string, HandMotion> stored_motions() {
   AlphaMotions alpha = alpha_motions();
   return {{"alpha-solve.csv", std::move(alpha.solve)},
+          {"alpha-lean.csv", std::move(alpha.lean)},
           {"alpha-cheat.csv", std::move(alpha.cheat)},
           {"cone-insert.csv", straight({{-0.06, 0, 0.001}, {-0.06, 0, 0}, {0.04, 0, 0}}, {1, 4})},
           {"two-walls-press.csv", straight({{0, 0, 0.012}, {0, 0, -0.002}}, {2})},
