@@ -91,6 +91,7 @@ std::string to_json(const SessionReport& r) {
                              {"max", voxels(r, s.penetration_max_m)}};
   j["force_n"] = {{"max", s.force_max_n}};
   j["torque_nm"] = {{"max", s.torque_max_nm}};
+  j["pull_n"] = {{"max", s.pull_max_n}};
   j["force_step_n"] = {{"rms", s.force_step_rms_n}, {"max", s.force_step_max_n}};
   j["net_stiffness_n_per_m"] = {{"max", s.net_stiffness_max_n_per_m}};
   j["port_energy_j"] = s.port_energy_j;
@@ -134,6 +135,7 @@ std::string to_table(const SessionReport& r) {
   out += row("penetration, with impacts",
              text("max %.3f mm = %.2f voxels", s.penetration_max_m * 1e3, voxels(r, s.penetration_max_m)));
   out += row("contact force, torque", text("max %.2f N, %.3f Nm", s.force_max_n, s.torque_max_nm));
+  out += row("pull while in contact", text("max %.2f N", s.pull_max_n));
   out += row("force step per tick", text("rms %.4f N, max %.3f N", s.force_step_rms_n, s.force_step_max_n));
   out += row("net stiffness", text("max %.0f N/m", s.net_stiffness_max_n_per_m));
   out += row("energy out of the port", text("%.4f J", s.port_energy_j));

@@ -41,6 +41,7 @@ void add(Stats& sum, const Stats& more) {
   raise(&Stats::penetration_max_m);
   raise(&Stats::force_max_n);
   raise(&Stats::torque_max_nm);
+  raise(&Stats::pull_max_n);
   raise(&Stats::force_step_max_n);
   raise(&Stats::net_stiffness_max_n_per_m);
   sum.port_energy_j += more.port_energy_j;

@@ -102,6 +102,7 @@ void to_wire(const LoopStats& in, std::uint64_t epoch, const Pose& X_WM, wire::S
   out.penetration_max_m = in.penetration_max_m;
   out.force_max_n = in.force_max_n;
   out.torque_max_nm = in.torque_max_nm;
+  out.pull_max_n = in.pull_max_n;
   out.force_step_rms_n = in.force_step_rms_n;
   out.force_step_max_n = in.force_step_max_n;
   out.net_stiffness_max_n_per_m = in.net_stiffness_max_n_per_m;

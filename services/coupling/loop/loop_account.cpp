@@ -47,6 +47,7 @@ void LoopAccount::reply(const ContactReply& reply, const Wrench& F_coupling_W, d
   raise(status_.force_max_n, force);
   raise(stats.force_max_n, force);
   raise(stats.torque_max_nm, reply.F_W.torque.norm());
+  if (reply.contact_count > 0) raise(stats.pull_max_n, F_coupling_W.force.norm());
   if (any_reply_ && (force > 0 || last_force_.squaredNorm() > 0)) {
     const double step = (reply.F_W.force - last_force_).norm();
     raise(stats.force_step_max_n, step);

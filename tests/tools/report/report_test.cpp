@@ -172,6 +172,7 @@ TEST(Report, JsonHasEveryDocumentedKey) {
       {"penetration_voxels", {"quasi_static_max", "max"}},
       {"force_n", {"max"}},
       {"torque_nm", {"max"}},
+      {"pull_n", {"max"}},
       {"force_step_n", {"rms", "max"}},
       {"net_stiffness_n_per_m", {"max"}},
       {"goal", {"reached", "distance_mm", "angle_deg"}}};
