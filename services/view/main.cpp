@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -38,13 +39,16 @@ WebOptions web_options(const MachineSpec& machine) {
   return options;
 }
 
-/// The address with its token, for `tact run` and the user alone: readable by the owner only.
+/// The address with its token, for `tact run` and the user alone: readable by the owner only, and there only when
+/// whole.
 void write_url(const std::filesystem::path& file, const std::string& url) {
   const std::string line = url + "\n";
-  const int fd = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  const std::filesystem::path part = file.string() + ".part";
+  const int fd = open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
   const bool written = fd >= 0 && write(fd, line.data(), line.size()) == static_cast<ssize_t>(line.size());
   if (fd >= 0) close(fd);
-  if (!written) throw SetupError(file.string() + ": cannot write the viewer's address there");
+  if (!written || rename(part.c_str(), file.c_str()) != 0)
+    throw SetupError(file.string() + ": cannot write the viewer's address there");
 }
 
 bool up(const ViewScene& scene) { return !scene.info.name.empty() && scene.age_s >= 0; }
