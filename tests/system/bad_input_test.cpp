@@ -26,7 +26,7 @@ class BadInput : public ::testing::Test {
     return write("good.obj", "v 0 0 0\nv 50 0 0\nv 0 50 0\nv 0 0 50\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   }
 
-  fs::path scene(const std::string& more) { return write("s.toml", "schema = 1\nname = \"s\"\n" + more); }
+  fs::path scene(const std::string& more) { return write("s.toml", "name = \"s\"\n" + more); }
 
   /// Runs, expects failure with exactly one line that holds every word, and nothing left behind.
   void expect_refused(std::vector<std::string> arguments, const std::vector<std::string>& words) {
@@ -144,6 +144,32 @@ TEST_F(BadInput, ATruncatedCacheIsRebuiltAndSaidSo) {
   }
   ASSERT_GT(truncated, 0);
   EXPECT_NE(run_peg().find("truncated"), std::string::npos);
+}
+
+TEST_F(BadInput, SharedMemoryThatIsTooSmallIsNamedWithWhatIsNeeded) {
+  // A mount namespace of its own, with a /dev/shm as small as a container's.
+  Process run({"unshare", "--mount", "sh", "-c",
+               "mount -t tmpfs -o size=32m tmpfs /dev/shm && exec " + TactRun::program().string() +
+                   " run peg --view off --for 1s"},
+              scratch_.path() / "out.txt", TactRun::environment());
+  EXPECT_EQ(run.wait(std::chrono::seconds{60}).value_or(-1), 2) << run.output();
+  expect_one_error(run.output(), {"/dev/shm"});
+}
+
+TEST_F(BadInput, AMissingRouDiIsNamedWithItsPackage) {
+  auto environment = TactRun::environment();
+  environment["PATH"] = scratch_.path();
+  Process run({TactRun::program(), "run", "peg", "--view", "off", "--for", "1s"}, scratch_.path() / "out.txt",
+              environment);
+  EXPECT_EQ(run.wait(std::chrono::seconds{60}).value_or(-1), 2) << run.output();
+  expect_one_error(run.output(), {"iox-roudi", "iceoryx"});
+}
+
+TEST_F(BadInput, AReportThatMayNotBeWrittenIsRefusedBeforeAnythingStarts) {
+  Process run({TactRun::program(), "run", "peg", "--view", "off", "--for", "1s", "--report", "/proc/report.json"},
+              scratch_.path() / "out.txt", TactRun::environment());
+  EXPECT_EQ(run.wait(std::chrono::seconds{60}).value_or(-1), 2) << run.output();
+  expect_one_error(run.output(), {"/proc/report.json"});
 }
 
 TEST_F(BadInput, ACacheThatCannotBeWrittenIsNamed) {

@@ -3,11 +3,14 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <fstream>
 
 #include "fault/fault.hpp"
 #include "support/flight_file.hpp"
 #include "support/observer.hpp"
+#include "support/other_network.hpp"
 #include "support/tact_run.hpp"
+#include "support/watcher.hpp"
 
 namespace tact::test {
 namespace {
@@ -141,6 +144,26 @@ TEST(ViewKilled, DoesNotDisturbTheHand) {
   EXPECT_TRUE(eventually([&] { return session.pid("view") > 0 && session.pid("view") != victim; }, seconds{30}))
       << session.run.output();
   // A machine with two busy cores may lose some ticks by itself; a hand that waited for the view would lose hundreds.
+  EXPECT_LT(session.observer.stats().wrench_stale, stale + 100);
+  EXPECT_EQ(session.run.stop(), 0);
+}
+
+TEST(RemoteWatcherCutOff, LeavesTheHandUndisturbed) {
+  OtherNetwork network;
+  if (!network.ready()) GTEST_SKIP() << "needs root and iproute2 to make a network namespace";
+  Pressing session({"--view", "on", "--port", "0", "--set", "view.bind=0.0.0.0", "--set", "view.token=secret-token"});
+  ASSERT_TRUE(session.settled()) << session.run.output();
+  const auto url_file = session.run.run_dir() / "view_url";
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(url_file); })) << session.run.output();
+  std::string url;
+  std::ifstream(url_file) >> url;
+  const auto port = static_cast<unsigned short>(std::stoi(url.substr(url.rfind(':') + 1)));
+  auto remote = network.inside([&] { return std::make_unique<Watcher>("10.213.77.1", port, "secret-token"); }).get();
+  remote->frame('p');
+  const auto stale = session.observer.stats().wrench_stale;
+  const auto tick = session.observer.device().tick;
+  network.cut();
+  EXPECT_TRUE(eventually([&] { return session.observer.device().tick > tick + 2000; }));
   EXPECT_LT(session.observer.stats().wrench_stale, stale + 100);
   EXPECT_EQ(session.run.stop(), 0);
 }

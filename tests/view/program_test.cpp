@@ -1,7 +1,5 @@
 // The real tact-view as a process, with a made-up session behind it and WebSocket clients before it.
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sched.h>
 #include <unistd.h>
 
 #include <boost/asio/connect.hpp>
@@ -15,6 +13,8 @@
 #include <nlohmann/json.hpp>
 
 #include "fake_session.hpp"
+#include "support/other_network.hpp"
+#include "support/watcher.hpp"
 
 namespace tact::view {
 namespace {
@@ -24,48 +24,9 @@ namespace websocket = boost::beast::websocket;
 using boost::asio::ip::tcp;
 using Json = nlohmann::json;
 using std::chrono::seconds;
+using test::OtherNetwork;
+using test::Watcher;
 using testing::FakeSession;
-
-/// A watcher of few words.
-class Client {
- public:
-  Client(const std::string& host, unsigned short port, const std::string& token) : socket_(io_) {
-    socket_.next_layer().connect({boost::asio::ip::make_address(host), port});
-    socket_.handshake(host + ":" + std::to_string(port), token.empty() ? "/ws" : "/ws?token=" + token);
-  }
-  std::string receive() {
-    boost::beast::flat_buffer buffer;
-    socket_.read(buffer);
-    return boost::beast::buffers_to_string(buffer.data());
-  }
-  /// The next message of that type.
-  Json event(const std::string& type) {
-    for (;;) {
-      const std::string text = receive();
-      if (!socket_.got_text()) continue;
-      const Json json = Json::parse(text);
-      if (json["type"] == type) return json;
-    }
-  }
-  /// The next JPEG of that letter.
-  std::string frame(char letter) {
-    for (;;) {
-      const std::string bytes = receive();
-      if (socket_.got_binary() && bytes[0] == letter) return bytes.substr(1);
-    }
-  }
-  /// Takes hold, once there is a device to hold.
-  void take() {
-    while (event("status")["age_s"] < 0) {
-    }
-    say(R"({"type":"take"})");
-  }
-  void say(const std::string& text) { socket_.write(boost::asio::buffer(text)); }
-
- private:
-  boost::asio::io_context io_;
-  websocket::stream<tcp::socket> socket_;
-};
 
 class ViewProgramTest : public ::testing::Test {
  protected:
@@ -121,16 +82,16 @@ TEST_F(ViewProgramTest, NothingIsLoadedUntilSomebodyLooks) {
   start();
   std::this_thread::sleep_for(seconds(1));
   EXPECT_EQ(view->output().find("trees built"), std::string::npos);
-  Client client("127.0.0.1", port, "");
+  Watcher client("127.0.0.1", port, "");
   client.frame('p');
   EXPECT_TRUE(test::eventually([&] { return view->output().find("trees built") != std::string::npos; }));
 }
 
 TEST_F(ViewProgramTest, ALateJoinerGetsEverythingAndControlsWithTheToken) {
   start();
-  Client first("127.0.0.1", port, "");
+  Watcher first("127.0.0.1", port, "");
   first.frame('s');
-  Client late("127.0.0.1", port, "secret-token");
+  Watcher late("127.0.0.1", port, "secret-token");
   EXPECT_EQ(late.event("hello")["control"], true);
   EXPECT_EQ(late.event("status")["scene"], "ring-and-peg");
   for (const char letter : {'p', 'g', 's', 't'}) EXPECT_EQ(late.frame(letter).substr(0, 2), "\xff\xd8");
@@ -144,7 +105,7 @@ TEST_F(ViewProgramTest, ALateJoinerGetsEverythingAndControlsWithTheToken) {
 TEST_F(ViewProgramTest, AHolderWhoseProcessDiesLetsGo) {
   start();
   {
-    Client client("127.0.0.1", port, "secret-token");
+    Watcher client("127.0.0.1", port, "secret-token");
     client.take();
     ASSERT_TRUE(test::eventually([&] { return !session.hands().empty() && session.hands().back().hold; }));
   }
@@ -153,48 +114,13 @@ TEST_F(ViewProgramTest, AHolderWhoseProcessDiesLetsGo) {
 
 TEST_F(ViewProgramTest, EndsWhenAskedAndLetsGoFirst) {
   start();
-  Client client("127.0.0.1", port, "secret-token");
+  Watcher client("127.0.0.1", port, "secret-token");
   client.take();
   ASSERT_TRUE(test::eventually([&] { return !session.hands().empty() && session.hands().back().hold; }));
   view->signal(SIGTERM);
   EXPECT_EQ(view->wait(seconds(20)), 0) << view->output();
   EXPECT_TRUE(test::eventually([&] { return !session.hands().back().hold; }));
 }
-
-/// Another network: a namespace of its own, joined to ours by a pair of virtual cards.
-class OtherNetwork {
- public:
-  OtherNetwork() {
-    ready_ = run("ip netns add " + name_) &&
-             run("ip link add " + card_ + "a type veth peer name " + card_ + "b netns " + name_) &&
-             run("ip addr add 10.213.77.1/30 dev " + card_ + "a") && run("ip link set " + card_ + "a up") &&
-             run("ip -n " + name_ + " addr add 10.213.77.2/30 dev " + card_ + "b") &&
-             run("ip -n " + name_ + " link set " + card_ + "b up");
-  }
-  ~OtherNetwork() {
-    run("ip link del " + card_ + "a");
-    run("ip netns del " + name_);
-  }
-  bool ready() const { return ready_; }
-  void cut() { run("ip link set " + card_ + "a down"); }
-
-  /// Runs `work` in a thread whose sockets belong to the other network.
-  template <class Work>
-  auto inside(Work work) {
-    return std::async(std::launch::async, [this, work] {
-      const int fd = open(("/run/netns/" + name_).c_str(), O_RDONLY | O_CLOEXEC);
-      if (fd < 0 || setns(fd, CLONE_NEWNET) != 0) throw std::runtime_error("cannot enter the other network");
-      close(fd);
-      return work();
-    });
-  }
-
- private:
-  static bool run(const std::string& command) { return std::system((command + " 2>/dev/null").c_str()) == 0; }
-  const std::string name_ = "tact-view-" + std::to_string(getpid());
-  const std::string card_ = "tv" + std::to_string(getpid() % 100000);
-  bool ready_ = false;
-};
 
 TEST_F(ViewProgramTest, FromAnotherNetworkTheTokenOpensAndACutLinkLetsGo) {
   OtherNetwork network;
@@ -221,12 +147,12 @@ TEST_F(ViewProgramTest, FromAnotherNetworkTheTokenOpensAndACutLinkLetsGo) {
   EXPECT_EQ(status("/app.js"), 403u);
   EXPECT_EQ(status("/?token=secret-tokem"), 403u);
   EXPECT_EQ(status("/?token=secret-token"), 200u);
-  EXPECT_THROW(network.inside([&] { Client refused("10.213.77.1", port, ""); }).get(), boost::system::system_error);
-  auto remote = network.inside([&] { return std::make_unique<Client>("10.213.77.1", port, "secret-token"); }).get();
+  EXPECT_THROW(network.inside([&] { Watcher refused("10.213.77.1", port, ""); }).get(), boost::system::system_error);
+  auto remote = network.inside([&] { return std::make_unique<Watcher>("10.213.77.1", port, "secret-token"); }).get();
   remote->frame('p');
   remote->take();
   ASSERT_TRUE(test::eventually([&] { return !session.hands().empty() && session.hands().back().hold; }));
-  Client local("127.0.0.1", port, "secret-token");
+  Watcher local("127.0.0.1", port, "secret-token");
   local.event("hello");
   network.cut();
   EXPECT_TRUE(test::eventually([&] { return !session.hands().back().hold; }));  // silent: it holds nothing any more

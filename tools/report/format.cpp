@@ -100,6 +100,7 @@ std::string to_json(const SessionReport& r) {
                {"angle_deg", json_of(r.goal_angle_deg)}};
   j["faults"] = Json::array();
   for (const auto& f : r.faults) j["faults"].push_back({{"time_s", f.time_s}, {"name", f.name}, {"detail", f.detail}});
+  j["notes"] = r.notes;
   j["loaded"] = Json::array();
   for (const auto& l : r.loaded) j["loaded"].push_back({{"what", l.what}, {"seconds", l.seconds}, {"bytes", l.bytes}});
   j["services"] = Json::array();

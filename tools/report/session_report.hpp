@@ -103,6 +103,7 @@ struct SessionReport {
   std::optional<double> goal_distance_mm, goal_angle_deg;
   std::vector<FaultEvent> faults;
   std::vector<LoadedPart> loaded;
+  std::vector<std::string> notes;  ///< of the bake: what it refused, repaired or doubts
   std::vector<ServiceUse> services;
 };
 

@@ -2,6 +2,7 @@
 
 #include <time.h>
 
+#include <sstream>
 #include <utility>
 
 namespace tact::supervise {
@@ -98,6 +99,8 @@ report::SessionReport SessionMonitor::report() const {
     r.law = scene_.law;
     r.stiffness_n_per_m = scene_.stiffness_n_per_m;
     r.voxel_m = scene_.voxel_m;
+    std::istringstream notes(scene_.notes);
+    for (std::string note; std::getline(notes, note);) r.notes.push_back(note);
     for (std::uint32_t i = 0; i < scene_.loaded._length; ++i) {
       const auto& part = scene_.loaded._buffer[i];
       r.loaded.push_back({part.what, part.seconds, part.bytes});

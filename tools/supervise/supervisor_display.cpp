@@ -75,6 +75,7 @@ void Supervisor::announce() {
     console_.line(text("  loaded %-36s %6.2f s %8.1f MB", part.what.c_str(), part.seconds,
                        static_cast<double>(part.bytes) / 1e6));
   }
+  for (const auto& note : monitor_->report().notes) console_.line("  ! " + note);
   next_measure_ = {};
   measure();
   std::string memory;

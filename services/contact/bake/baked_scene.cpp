@@ -79,8 +79,8 @@ struct Part {
   std::function<void(const BakedFiles&, std::uint64_t)> check;  ///< throws SetupError
 };
 
-/// The body if all its files are there and sound.
-std::optional<BakedBody> look_up(const Part& part, nlohmann::json& report) {
+/// The body if all its files are there and sound; `refused` says why files that are there are not.
+std::optional<BakedBody> look_up(const Part& part, nlohmann::json& report, std::string& refused) {
   std::error_code error;
   for (const auto& path : {part.files.data, part.files.mesh, part.files.report}) {
     if (!std::filesystem::exists(path, error)) return std::nullopt;
@@ -94,7 +94,8 @@ std::optional<BakedBody> look_up(const Part& part, nlohmann::json& report) {
     body.bake_peak_bytes = report.at("peak_memory_bytes");
     body.warnings = report.at("warnings").get<std::vector<std::string>>();
     body.bytes = std::filesystem::file_size(part.files.data);
-  } catch (const std::exception&) {  // damaged, foreign or of an old schema: made anew
+  } catch (const std::exception& reason) {  // damaged, foreign or of an old schema: made anew
+    refused = reason.what();
     return std::nullopt;
   }
   return body;
@@ -127,12 +128,13 @@ BakedScene ensure_baked(const SceneSpec& scene, const std::filesystem::path& cac
 
   for (int i = 0; i < 2; ++i) {
     const Part& part = parts[i];
-    if (auto found = look_up(part, reports[i])) {
+    std::string refused;
+    if (auto found = look_up(part, reports[i], refused)) {
       bodies[i] = *found;
       continue;
     }
     const FileLock lock(part.files.lock, part.name, progress);
-    if (auto found = look_up(part, reports[i])) {  // another process was faster
+    if (auto found = look_up(part, reports[i], refused)) {  // another process was faster
       bodies[i] = *found;
       continue;
     }
@@ -151,10 +153,13 @@ BakedScene ensure_baked(const SceneSpec& scene, const std::filesystem::path& cac
                                           : body_name(*part.body) + ": the bake of this mesh " + end.how +
                                                 ": repair or simplify the mesh, or lower the resolution");
     }
-    auto baked = look_up(part, reports[i]);
-    if (!baked) throw SetupError(part.files.data.string() + ": the bake ended well but its files do not read back");
+    std::string unsound;
+    auto baked = look_up(part, reports[i], unsound);
+    if (!baked)
+      throw SetupError(part.files.data.string() + ": the bake ended well but its files do not read back: " + unsound);
     bodies[i] = *baked;
     bodies[i].from_cache = false;
+    if (!refused.empty()) bodies[i].warnings.push_back(refused + "; baked anew");
   }
 
   BakedScene baked{bodies[0], bodies[1], 0, 0, 0, 0};

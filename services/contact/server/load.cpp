@@ -20,14 +20,17 @@ std::uint64_t bytes_of(const Pointshell& shell) {
   return shell.size() * a_point;
 }
 
-void log_body(const std::string& name, const BakedBody& body) {
+void log_body(const std::string& name, const BakedBody& body, std::string& notes) {
   if (body.from_cache) {
     log_info(name, ": from the cache, ", body.data.string());
   } else {
     log_info(name, ": baked in ", body.bake_seconds, " s with ", body.bake_peak_bytes >> 20, " MB, ",
              body.data.string());
   }
-  for (const std::string& warning : body.warnings) log_warn(warning);
+  for (const std::string& warning : body.warnings) {
+    log_warn(warning);
+    notes += warning + '\n';
+  }
 }
 
 }  // namespace
@@ -41,10 +44,9 @@ LoadedScene load_bodies(const Session& session, const LoadProgress& progress) {
   auto begin = std::chrono::steady_clock::now();
   const BakedScene baked = ensure_baked(spec, cache_dir(session.machine), on_step);
   const double bake_s = seconds_since(begin);
-  log_body(obstacle, baked.obstacle);
-  log_body(tool, baked.tool);
-
   LoadedScene scene;
+  log_body(obstacle, baked.obstacle, scene.notes);
+  log_body(tool, baked.tool, scene.notes);
   scene.field_path = baked.obstacle.data;
   scene.obstacle_mesh_path = baked.obstacle.mesh;
   scene.tool_mesh_path = baked.tool.mesh;

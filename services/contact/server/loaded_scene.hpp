@@ -24,6 +24,7 @@ struct LoadedScene {
   std::shared_ptr<const Pointshell> shell;
   std::filesystem::path field_path, obstacle_mesh_path, tool_mesh_path;
   std::vector<LoadedPart> parts;
+  std::string notes;  ///< what the bake refused, repaired or doubts: a sentence a line
 };
 
 }  // namespace tact::contact

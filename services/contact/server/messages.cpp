@@ -90,6 +90,7 @@ void to_wire(const LoadedScene& scene, const SceneSpec& spec, const PipelinePara
   out.x_max_m = params.x_max_m;
   wire::set_text(out.law, params.law);
   out.params_version = params.version;
+  wire::set_text(out.notes, scene.notes);
   out.loaded._buffer = parts.data();
   out.loaded._maximum = out.loaded._length = static_cast<std::uint32_t>(parts.size());
 }
