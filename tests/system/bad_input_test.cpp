@@ -59,7 +59,7 @@ class BadInput : public ::testing::Test {
 
 TEST_F(BadInput, AnUnknownSceneIsNamed) { expect_refused({"no-such-scene"}, {"no-such-scene"}); }
 
-TEST_F(BadInput, AMalformedSceneNamesFileAndLine) { expect_refused({scene("[tool\n").string()}, {"s.toml", "3"}); }
+TEST_F(BadInput, AMalformedSceneNamesFileAndLine) { expect_refused({scene("[tool\n").string()}, {"s.toml", "line 2"}); }
 
 TEST_F(BadInput, AnUnknownKeyIsNamed) {
   expect_refused({scene("[tool]\nshape = \"box\"\nponts = 10\n[obstacle]\nshape = \"box\"\n").string()},
