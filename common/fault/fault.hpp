@@ -12,7 +12,8 @@ class SetupError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What can go wrong while running: bits, never exceptions. Same values on the wire (Health, DeviceState, SessionStats).
+/// What can go wrong while running: bits, never exceptions. Same values on the wire (Health, DeviceState,
+/// SessionStats).
 enum class Fault : std::uint32_t {
   none = 0,
   wrench_late = 1u << 0,         ///< a tick ran on an extrapolated wrench
@@ -25,7 +26,7 @@ enum class Fault : std::uint32_t {
   transport_degraded = 1u << 7,  ///< RouDi gone or shared memory no longer proven
   device_lost = 1u << 8,
   device_alarm = 1u << 9,
-  watchdog = 1u << 10,           ///< the watchdog cut power
+  watchdog = 1u << 10,  ///< the watchdog cut power
   sign_doubtful = 1u << 11,
   past_mid_surface = 1u << 12,
   beyond_band = 1u << 13,

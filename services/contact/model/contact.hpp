@@ -10,12 +10,12 @@ namespace tact::contact {
 /// Conditions of a contact or of a whole query, as bits: the values CONTACT_* of haptic.idl.
 enum class Status : std::uint32_t {
   none = 0,
-  overflow = 1,           ///< more contacts than capacity: the deepest were kept
-  sign_doubtful = 2,      ///< the bake could not settle inside/outside here
-  past_mid_surface = 4,   ///< the field pushes against the point's normal: nearer the far side of a thin part
-  beyond_band = 8,        ///< deeper than the stored band: the depth is a lower bound
-  capped = 16,            ///< a damping force was limited
-  pose_invalid = 32,      ///< not finite or not a rotation: no contacts
+  overflow = 1,          ///< more contacts than capacity: the deepest were kept
+  sign_doubtful = 2,     ///< the bake could not settle inside/outside here
+  past_mid_surface = 4,  ///< the field pushes against the point's normal: nearer the far side of a thin part
+  beyond_band = 8,       ///< deeper than the stored band: the depth is a lower bound
+  capped = 16,           ///< a damping force was limited
+  pose_invalid = 32,     ///< not finite or not a rotation: no contacts
 };
 constexpr std::uint32_t bit(Status s) noexcept { return static_cast<std::uint32_t>(s); }
 
@@ -24,14 +24,14 @@ constexpr std::uint32_t bit(Status s) noexcept { return static_cast<std::uint32_
 struct ContactBuffer {
   explicit ContactBuffer(std::size_t capacity);
 
-  std::size_t size = 0;          ///< contacts in use
-  std::size_t dropped = 0;       ///< found beyond capacity: the shallowest, not kept
+  std::size_t size = 0;     ///< contacts in use
+  std::size_t dropped = 0;  ///< found beyond capacity: the shallowest, not kept
   std::vector<std::uint32_t> point_id;
-  std::vector<Vec3> r;           ///< m
-  std::vector<Vec3> N;           ///< unit inward normal of the tool
-  std::vector<Vec3> g;           ///< gradient of the interpolated field
-  std::vector<double> depth_m;   ///< > 0
-  std::vector<double> weight;    ///< of the law
+  std::vector<Vec3> r;               ///< m
+  std::vector<Vec3> N;               ///< unit inward normal of the tool
+  std::vector<Vec3> g;               ///< gradient of the interpolated field
+  std::vector<double> depth_m;       ///< > 0
+  std::vector<double> weight;        ///< of the law
   std::vector<std::uint32_t> flags;  ///< Status bits of this contact
 
   std::size_t capacity() const { return point_id.size(); }

@@ -26,7 +26,7 @@ struct LoopStats {
   /// F_max in force and of the torque cap in torque. Impacts and free flight are not in it.
   double penetration_quasi_static_max_m = 0;
   double force_max_n = 0, torque_max_nm = 0;          ///< contact wrench
-  double pull_max_n = 0;             ///< force of the virtual coupling on the tool while in contact
+  double pull_max_n = 0;                              ///< force of the virtual coupling on the tool while in contact
   double force_step_rms_n = 0, force_step_max_n = 0;  ///< contact force from one fresh reply to the next, in contact
   double net_stiffness_max_n_per_m = 0;               ///< largest eigenvalue of the translational block of K
   /// Energy that left through the device port, J; > 0: we were active. Impedance: integral of F_sent . V_H.
