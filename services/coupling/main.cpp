@@ -124,10 +124,19 @@ int serve(const ServiceOptions& options) {
   warn(watchdog->missing());
   log_info("device loop: ", session.machine.device, ", ", session.machine.mode, ", ", config.rate_hz, " Hz");
 
+  // A full disk costs the flight record, not the hand.
+  const auto record_flight = [](const auto& take) {
+    try {
+      tell(take());
+    } catch (const SetupError& error) {
+      log_error(error.what());
+    }
+  };
+
   // This thread only watches.
   while (!stop.wait_for(100ms)) {
     if (const auto refused = link.status().refused) throw SetupError(*refused);
-    tell(recorder.drain(kFlightFaults));
+    record_flight([&] { return recorder.drain(kFlightFaults); });
   }
 
   // Stop in reverse: the hand is let go before the loop ends, the loop before the links.
@@ -136,7 +145,7 @@ int serve(const ServiceOptions& options) {
   watchdog.reset();
   thread.stop();
   device->power_off();
-  tell(recorder.finish(kFlightFaults));
+  record_flight([&] { return recorder.finish(kFlightFaults); });
   const LoopStats& stats = loop.finish();
   log_info(stats.ticks, " ticks, ", stats.missed_ticks, " missed, ", stats.page_faults, " page faults, ",
            stats.allocations, " allocations in ticks; faults: ", fault_names(stats.faults_ever));

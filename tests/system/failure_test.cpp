@@ -34,7 +34,7 @@ class Pressing {
     EXPECT_TRUE(eventually(
         [&] {
           for (const auto& entry : std::filesystem::directory_iterator(run.run_dir())) {
-            if (entry.path().filename().string().rfind("flight-", 0) != 0) continue;
+            if (entry.path().extension() != ".csv") continue;
             auto ticks = read_flight(entry.path());
             if (std::any_of(ticks.begin(), ticks.end(), is_stale)) found = std::move(ticks);
           }

@@ -63,7 +63,8 @@ std::filesystem::path FlightRecorder::finish(std::uint32_t dump_on) {
 std::filesystem::path FlightRecorder::dump(const std::string& reason) {
   --files_left_;
   const auto path = directory_ / ("flight-" + std::to_string(++files_) + ".csv");
-  std::ofstream out(path);
+  const std::filesystem::path part = path.string() + ".part";  // whoever sees the file sees all of it
+  std::ofstream out(part);
   out.precision(9);
   out << "# tact flight record, schema 1: " << reason << '\n'
       << "tick,t_mono_ns,pose_seq,reply_seq,wrench_age_ticks,faults,contact_count" << pose_columns("X_WH")
@@ -81,7 +82,10 @@ std::filesystem::path FlightRecorder::dump(const std::string& reason) {
     put(out, r.X_sent);
     out << ',' << r.max_depth_m << ',' << r.tick_ns << '\n';
   }
-  if (!out.flush()) throw SetupError(path.string() + ": flight record: cannot be written; is the disk full?");
+  out.close();
+  std::error_code failed;
+  if (out) std::filesystem::rename(part, path, failed);
+  if (!out || failed) throw SetupError(path.string() + ": flight record: cannot be written; is the disk full?");
   return path;
 }
 
