@@ -134,8 +134,8 @@ int serve(const ServiceOptions& options) {
   };
 
   // This thread only watches.
-  while (!stop.wait_for(100ms)) {
-    if (const auto refused = link.status().refused) throw SetupError(*refused);
+  std::optional<std::string> refused;
+  while (!stop.wait_for(100ms) && !(refused = link.status().refused)) {
     record_flight([&] { return recorder.drain(kFlightFaults); });
   }
 
@@ -151,6 +151,7 @@ int serve(const ServiceOptions& options) {
            stats.allocations, " allocations in ticks; faults: ", fault_names(stats.faults_ever));
   session_link.stop();
   link.stop();
+  if (refused) throw SetupError(*refused);
   return kExitOk;
 }
 

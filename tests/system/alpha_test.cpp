@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <tuple>
 #include <vector>
 
 #include "support/tact_run.hpp"
@@ -30,7 +31,9 @@ std::string identifier(std::string name) {
 std::string case_name(const ::testing::TestParamInfo<Case>& info) {
   return identifier(info.param.script + "_" + info.param.law + "_" + info.param.mode);
 }
-std::string law_name(const ::testing::TestParamInfo<std::string>& info) { return identifier(info.param); }
+std::string cheat_name(const ::testing::TestParamInfo<std::tuple<std::string, std::string>>& info) {
+  return identifier(std::get<0>(info.param) + "_" + std::get<1>(info.param));
+}
 
 class AlphaSolve : public ::testing::TestWithParam<Case> {};
 
@@ -50,10 +53,11 @@ TEST_P(AlphaSolve, ReachesTheGoalWithUnderHalfAVoxelOfQuasiStaticPenetration) {
 
 INSTANTIATE_TEST_SUITE_P(ScriptsLawsAndModes, AlphaSolve, ::testing::ValuesIn(cases()), case_name);
 
-class AlphaCheat : public ::testing::TestWithParam<std::string> {};
+class AlphaCheat : public ::testing::TestWithParam<std::tuple<std::string, std::string>> {};
 
 TEST_P(AlphaCheat, IsBlockedBySaturationAgainstTheSameHandOfTwentyNewton) {
-  TactRun run({"alpha", "--script", "cheat", "--law", GetParam(), "--saturation", "on", "--view", "off"});
+  TactRun run({"alpha", "--script", "cheat", "--law", std::get<0>(GetParam()), "--mode", std::get<1>(GetParam()),
+               "--saturation", "on", "--view", "off"});
   ASSERT_EQ(run.wait(), 0) << run.output();
   const auto report = run.report();
   EXPECT_FALSE(report["goal"]["reached"].get<bool>()) << report.dump(2);
@@ -62,7 +66,10 @@ TEST_P(AlphaCheat, IsBlockedBySaturationAgainstTheSameHandOfTwentyNewton) {
   EXPECT_LT(report["penetration_voxels"]["quasi_static_max"].get<double>(), 0.5) << report.dump(2);
 }
 
-INSTANTIATE_TEST_SUITE_P(Laws, AlphaCheat, ::testing::Values("potential", "adaptive-3dof", "adaptive-6dof"), law_name);
+INSTANTIATE_TEST_SUITE_P(LawsAndModes, AlphaCheat,
+                         ::testing::Combine(::testing::Values("potential", "adaptive-3dof", "adaptive-6dof"),
+                                            ::testing::Values("pseudo-admittance", "impedance")),
+                         cheat_name);
 
 // [P] fig. 8: unsaturated at k = 500 N/m, averaging over all contacts lets the alpha slip at a smaller pull than the
 // Gauss map does. That the adaptive law *holds* there does not repeat on this scene: the strands are about 3 voxels

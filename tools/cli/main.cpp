@@ -17,7 +17,7 @@ struct ShortOption {
 };
 // Each stands for a key of a scene or machine file; --set takes all the others.
 constexpr ShortOption kShortOptions[] = {
-    {"--device", "device.driver", "simulated, playback or virtuose"},
+    {"--device", "device.driver", "simulated; playback and virtuose are reserved, not in this version"},
     {"--mode", "device.mode", "pseudo-admittance or impedance"},
     {"--law", "contact.law", "none, global, adaptive-3dof, adaptive-6dof or potential"},
     {"--stiffness", "contact.stiffness_n_per_m", "Contact stiffness k in N/m"},

@@ -27,8 +27,9 @@ class Handover {
 
   /// Any thread but the real-time one, one at a time. Frees what is no longer used.
   void submit(std::unique_ptr<T> next) {
-    delete retired_.exchange(nullptr, std::memory_order_acq_rel);
+    // In this order: once the slot behind is free, what waits is taken by the next current().
     delete pending_.exchange(next.release(), std::memory_order_acq_rel);
+    delete retired_.exchange(nullptr, std::memory_order_acq_rel);
   }
 
   /// The real-time thread: the newest object, its own until it calls again. Does not allocate, free, lock or throw.

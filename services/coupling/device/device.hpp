@@ -20,7 +20,8 @@ struct DeviceCapabilities {
   double force_peak_n = 0, torque_peak_nm = 0;
   /// Pseudo-admittance: the driver's spring between handle and set-point; the gate bounds their distance by it.
   double spring_n_per_m = 0, spring_nm_per_rad = 0;
-  bool real = false;  ///< moves a real arm: hand targets are refused
+  double damper_n_s_per_m = 0, damper_nm_s_per_rad = 0;  ///< the driver's damper beside it
+  bool real = false;                                     ///< moves a real arm: hand targets are refused
 };
 
 struct DeviceReading {

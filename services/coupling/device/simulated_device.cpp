@@ -34,8 +34,8 @@ SimulatedDevice::SimulatedDevice(const Params& params, HandMotion motion_WH, con
     const double m = params.virtual_mass_kg, I = params.virtual_inertia_kg_m2;
     capabilities_.spring_n_per_m = std::min(kSpring, m * w * w);
     capabilities_.spring_nm_per_rad = std::min(kAngularSpring, I * w * w);
-    spring_damping_ = 2 * kSpringDampingRatio * std::sqrt(capabilities_.spring_n_per_m * m);
-    spring_angular_damping_ = 2 * kSpringDampingRatio * std::sqrt(capabilities_.spring_nm_per_rad * I);
+    capabilities_.damper_n_s_per_m = 2 * kSpringDampingRatio * std::sqrt(capabilities_.spring_n_per_m * m);
+    capabilities_.damper_nm_s_per_rad = 2 * kSpringDampingRatio * std::sqrt(capabilities_.spring_nm_per_rad * I);
   }
 }
 
@@ -68,10 +68,10 @@ void SimulatedDevice::write(const SetPoint& set_point) noexcept {
 Wrench SimulatedDevice::spring_W() const noexcept {
   if (!powered_.load(std::memory_order_relaxed)) return {};
   const Vec6 x = displacement(X_WH_, set_point_now_.X_W);
-  const Vec3 force =
-      capabilities_.spring_n_per_m * x.head<3>() + spring_damping_ * (set_point_now_.V_W.linear - V_WH_.linear);
+  const Vec3 force = capabilities_.spring_n_per_m * x.head<3>() +
+                     capabilities_.damper_n_s_per_m * (set_point_now_.V_W.linear - V_WH_.linear);
   const Vec3 torque = capabilities_.spring_nm_per_rad * x.tail<3>() +
-                      spring_angular_damping_ * (set_point_now_.V_W.angular - V_WH_.angular);
+                      capabilities_.damper_nm_s_per_rad * (set_point_now_.V_W.angular - V_WH_.angular);
   return {at_most(force, params_.force_peak_n), at_most(torque, params_.torque_peak_nm)};
 }
 

@@ -51,7 +51,6 @@ class SimulatedDevice final : public HapticDevice {
 
   Params params_;
   DeviceCapabilities capabilities_;
-  double spring_damping_ = 0, spring_angular_damping_ = 0;
   rt::Ticker ticker_;
   SimulatedHand hand_;
   HandCue cue_;

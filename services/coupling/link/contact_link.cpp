@@ -106,6 +106,7 @@ void ContactLink::connect(std::shared_ptr<CouplingEnds> ends) {
   sender_ = std::make_unique<HapticThread>(
       rt::ThreadOptions{.name = "tact-send", .priority = params_.priority, .cpu = params_.cpu},
       [this, connection = connection_](HapticThread::Control& control) { send(connection, control); });
+  for (const std::string& missing : sender_->missing()) log_warn(missing);
   const std::scoped_lock lock(mutex_);
   status_.server_epoch = connection_->server_epoch;
   ++status_.connections;
@@ -132,6 +133,7 @@ bool ContactLink::check_proof() {
   receiver_ = std::make_unique<HapticThread>(
       rt::ThreadOptions{.name = "tact-receive", .priority = params_.priority, .cpu = params_.cpu},
       [this, connection = connection_](HapticThread::Control& control) { receive(connection, control); });
+  for (const std::string& missing : receiver_->missing()) log_warn(missing);
   health_.set_faults(kOwnFaults, 0);
   const std::string detail = "connected, " + std::string(shm ? "shared memory proven: " : "UDP: ") + proof.text();
   health_.update([&](wire::Health& h) {

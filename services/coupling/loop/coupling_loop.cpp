@@ -12,7 +12,12 @@ namespace {
 /// Replies to poses older than this are history: the tool has been elsewhere since.
 constexpr std::uint64_t kLagMax = 20;
 
-bool is_pose(const Pose& X) { return X.finite() && std::abs(X.q.squaredNorm() - 1) < 1e-3; }
+/// Nothing a hand reaches is farther from the world's origin: beyond it arithmetic is no longer safe.
+constexpr double kReach_m = 1000;
+
+bool is_pose(const Pose& X) {
+  return X.finite() && X.p.cwiseAbs().maxCoeff() < kReach_m && std::abs(X.q.squaredNorm() - 1) < 1e-3;
+}
 
 bool is_finite(const ContactReply& r) {
   return r.F_W.vector().allFinite() && r.G.allFinite() && r.K.allFinite() && r.B.allFinite() && is_pose(r.X_WT) &&
@@ -25,6 +30,8 @@ GateLimits with_springs(GateLimits limits, const DeviceCapabilities& device) {
   if (device.mode == DeviceMode::pseudo_admittance) {
     limits.spring_n_per_m = device.spring_n_per_m;
     limits.spring_nm_per_rad = device.spring_nm_per_rad;
+    limits.damper_n_s_per_m = device.damper_n_s_per_m;
+    limits.damper_nm_s_per_rad = device.damper_nm_s_per_rad;
   }
   return limits;
 }
@@ -154,6 +161,12 @@ void CouplingLoop::integrate(const DeviceReading& device) noexcept {
     tool_.step(device.F_hand_W, contact_, strength_.gains(), strength_.tool_damping(), h_);
   }
   BodyState next = tool_.tool();
+  if (!is_pose(next.X_W) || !next.V_W.vector().allFinite() || !is_pose(tool_.handle().X_W)) {
+    raise(Fault::not_finite);  // huge but finite gradients overflow the solve: stand where we were
+    tool_.reset(X_before);
+    tool_.set_handle({device.X_WH, {}});
+    return;
+  }
   motion_cut_ =
       motion_limit_.apply(wrench_.X_WT_answered(), X_before, next, std::max(0.5 * config_.voxel_m, clearance_m_));
   if (motion_cut_) {

@@ -56,7 +56,7 @@ void SetPointGate::limit(const Pose& X_wanted, const Twist& V_wanted, const Pose
   if (!engaged || !any_) {
     any_ = true;
     X_sent = last_ = last_X_WH_;
-    V_sent = {};
+    V_sent = last_V_ = {};
     return;
   }
   X_sent = {X_wanted.p, X_wanted.q.normalized()};
@@ -66,10 +66,21 @@ void SetPointGate::limit(const Pose& X_wanted, const Twist& V_wanted, const Pose
     X_sent = last_;
     V_sent = {};
   }
-  const double speed = std::min(limits_.speed_m_per_s, limits_.force_slope_n_per_s / limits_.spring_n_per_m);
-  const double turn = std::min(limits_.speed_rad_per_s, limits_.torque_slope_nm_per_s / limits_.spring_nm_per_rad);
-  V_sent.linear = clamped(V_sent.linear, speed, report_.limited);
-  V_sent.angular = clamped(V_sent.angular, turn, report_.limited);
+  // Half of the force slope is the spring's, by the set-point's step; half the damper's, by its change of twist.
+  const double force_slope = limits_.force_slope_n_per_s / 2, torque_slope = limits_.torque_slope_nm_per_s / 2;
+  const double speed = std::min(limits_.speed_m_per_s, force_slope / limits_.spring_n_per_m);
+  const double turn = std::min(limits_.speed_rad_per_s, torque_slope / limits_.spring_nm_per_rad);
+  V_sent.linear = clamped(V_sent.linear, speed * ramp_.value(), report_.limited);
+  V_sent.angular = clamped(V_sent.angular, turn * ramp_.value(), report_.limited);
+  if (limits_.damper_n_s_per_m > 0) {
+    const double most = force_slope * h / limits_.damper_n_s_per_m;
+    V_sent.linear = last_V_.linear + clamped(V_sent.linear - last_V_.linear, most, report_.limited);
+  }
+  if (limits_.damper_nm_s_per_rad > 0) {
+    const double most = torque_slope * h / limits_.damper_nm_s_per_rad;
+    V_sent.angular = last_V_.angular + clamped(V_sent.angular - last_V_.angular, most, report_.limited);
+  }
+  last_V_ = V_sent;
   const Vec6 step = displacement(last_, X_sent);
   X_sent = displaced(last_, (Vec6() << clamped(step.head<3>(), speed * h, report_.limited),
                              clamped(step.tail<3>(), turn * h, report_.limited))

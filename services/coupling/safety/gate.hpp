@@ -9,9 +9,10 @@ namespace tact::coupling {
 struct GateLimits {
   double force_n = 30, torque_nm = 3;
   double force_slope_n_per_s = 5000, torque_slope_nm_per_s = 500;
-  double speed_m_per_s = 2, speed_rad_per_s = 15;       ///< of a set-point
-  double spring_n_per_m = 2000, spring_nm_per_rad = 5;  ///< of the driver, handle to set-point
-  double ramp_s = 0.5;                                  ///< force and torque limits grow from 0 after engaging
+  double speed_m_per_s = 2, speed_rad_per_s = 15;        ///< of a set-point
+  double spring_n_per_m = 2000, spring_nm_per_rad = 5;   ///< of the driver, handle to set-point
+  double damper_n_s_per_m = 0, damper_nm_s_per_rad = 0;  ///< of the driver, on the difference of their twists
+  double ramp_s = 0.5;                                   ///< force and torque limits grow from 0 after engaging
 };
 
 /// What the gate had to do.
@@ -49,8 +50,9 @@ class WrenchGate {
   GateReport report_;
 };
 
-/// Pseudo-admittance: finite and a unit quaternion (else: stay where we were, at rest), twist limit, step limit from
-/// the last set-point (speed, and what the force slope allows over the driver's spring), and last of all the distance
+/// Pseudo-admittance: finite and a unit quaternion (else: stay where we were, coming to rest), twist limit (speed,
+/// ramp, and a change per tick that keeps the driver's damper within half the force slope), step limit from the last
+/// set-point (speed, and what half the force slope allows over the driver's spring), and last of all the distance
 /// to the handle: spring * |X_sent - X_handle| <= limit * ramp, whatever the step limit says: letting go is never
 /// slowed by it. Calm: wanted = the handle at zero twist.
 class SetPointGate {
@@ -69,6 +71,7 @@ class SetPointGate {
   EngageRamp ramp_;
   bool any_ = false;
   Pose last_, last_X_WH_;
+  Twist last_V_;
   GateReport report_;
 };
 

@@ -157,5 +157,29 @@ TEST(SetPointGate, NothingMovesAtStart) {
   EXPECT_EQ(V.vector().norm(), 0);
 }
 
+TEST(SetPointGate, TheDriversDamperNeverStepsByMoreThanHalfTheSlopeAndFollowsTheRamp) {
+  GateLimits limits;
+  limits.damper_n_s_per_m = 28;
+  limits.damper_nm_s_per_rad = 0.3;
+  SetPointGate gate(limits);
+  const double h = 1e-3;
+  Pose X_sent;
+  Twist V_sent, V_last;
+  gate.limit({}, {}, {}, true, h, X_sent, V_sent);
+  for (int tick = 0; tick < 1000; ++tick) {
+    // A twist that a mad caller reverses at full size every few ticks.
+    const double sign = (tick / 7) % 2 == 0 ? 1 : -1;
+    const Twist wanted{sign * Vec3(3, -2, 1), sign * Vec3(20, 5, -9)};
+    gate.limit({}, wanted, {}, true, h, X_sent, V_sent);
+    EXPECT_LE(limits.damper_n_s_per_m * (V_sent.linear - V_last.linear).norm(),
+              0.5 * limits.force_slope_n_per_s * h * (1 + 1e-9));
+    EXPECT_LE(limits.damper_nm_s_per_rad * (V_sent.angular - V_last.angular).norm(),
+              0.5 * limits.torque_slope_nm_per_s * h * (1 + 1e-9));
+    const double ramp = std::min(1.0, (tick + 2) * h / limits.ramp_s);
+    EXPECT_LE(V_sent.linear.norm(), ramp * limits.speed_m_per_s * (1 + 1e-9));
+    V_last = V_sent;
+  }
+}
+
 }  // namespace
 }  // namespace tact::coupling
