@@ -36,7 +36,7 @@ TEST(CleanSoup, DoublyFacedBodiesKeepOneOfEachPair) {
 
 TEST(CleanSoup, CopiesOfTheSameOrientationAreDropped) {
   Mesh mesh = test::box_mesh(kLow, kHigh);
-  test::append(mesh, mesh);
+  test::append(mesh, Mesh(mesh));
   const Soup soup = clean_soup(mesh);
   EXPECT_EQ(soup.report.duplicates_same, 12u);
   EXPECT_EQ(soup.report.triangles_kept, 12u);
