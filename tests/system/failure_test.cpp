@@ -121,6 +121,8 @@ TEST(ContactServerStopped, ForThreeSecondsCalmsTheArmAndTheGridDoesNotSlip) {
   EXPECT_EQ(session.run.stop(), 0);
   const auto report = session.run.report();
   EXPECT_TRUE(names(report, "wrench_stale")) << report.dump(2);
+  // Grid points are lost to a busy machine, not to a stopped server: it was stopped for more than 3000 ticks.
+  EXPECT_LT(report["missed_ticks"].get<double>(), 0.05 * report["ticks"].get<double>()) << report.dump(2);
 }
 
 TEST(CouplingKilled, IsStartedAgainAndTheSessionGoesOn) {

@@ -28,7 +28,7 @@ class Slice {
   }
 
   void field(const FieldFunction& field, double voxel_m) {
-    const int n = size_ / 2 + 1;  // one sample every second pixel, on pixel corners
+    const int n = (size_ - 1) / 2 + 2;  // one sample every second pixel, on pixel corners, and one beyond the last
     cv::Mat values(n, n, CV_32F);
     for (int row = 0; row < n; ++row) {
       for (int column = 0; column < n; ++column) {
