@@ -9,6 +9,26 @@ std::int64_t now_ns() { return std::chrono::steady_clock::now().time_since_epoch
 
 }  // namespace
 
+const char* phase_name(wire::Phase phase) {
+  switch (phase) {
+    case wire::kStarting:
+      return "starting";
+    case wire::kLoading:
+      return "loading";
+    case wire::kConnecting:
+      return "connecting";
+    case wire::kReady:
+      return "ready";
+    case wire::kActive:
+      return "active";
+    case wire::kDegraded:
+      return "degraded";
+    case wire::kStopping:
+      return "stopping";
+  }
+  return "unknown";
+}
+
 HealthReporter::HealthReporter(const Participant& session, const std::string& service, const std::string& transport)
     : publisher_(session) {
   health_.schema = wire::kSchema;

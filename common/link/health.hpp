@@ -13,6 +13,9 @@
 
 namespace tact {
 
+/// For a person: "starting", "active".
+const char* phase_name(wire::Phase phase);
+
 /// Says how a service is: publishes its Health at 10 Hz from a thread of its own, and at each change. The last message,
 /// sent by the destructor, is kStopping.
 class HealthReporter {

@@ -13,26 +13,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* name_of(wire::Phase phase) {
-  switch (phase) {
-    case wire::kStarting:
-      return "starting";
-    case wire::kLoading:
-      return "loading";
-    case wire::kConnecting:
-      return "connecting";
-    case wire::kReady:
-      return "ready";
-    case wire::kActive:
-      return "active";
-    case wire::kDegraded:
-      return "degraded";
-    case wire::kStopping:
-      return "stopping";
-  }
-  return "unknown";
-}
-
 /// What the services of one session say of themselves within half a second: they speak ten times a second.
 Json listen(const Session& session) {
   const Participant participant(wire::Channel::session, session);
@@ -45,7 +25,7 @@ Json listen(const Session& session) {
     if (!h) continue;
     services.push_back({{"name", name},
                         {"pid", h->pid},
-                        {"phase", name_of(h->phase)},
+                        {"phase", phase_name(h->phase)},
                         {"transport", h->transport},
                         {"shared_memory_proven", h->shared_memory_proven},
                         {"faults", fault_names(h->faults)},

@@ -21,26 +21,6 @@ constexpr double kNever = -1;
 
 double seconds_since(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
 
-const char* phase_name(wire::Phase phase) {
-  switch (phase) {
-    case wire::kStarting:
-      return "starting";
-    case wire::kLoading:
-      return "loading";
-    case wire::kConnecting:
-      return "connecting";
-    case wire::kReady:
-      return "ready";
-    case wire::kActive:
-      return "active";
-    case wire::kDegraded:
-      return "degraded";
-    case wire::kStopping:
-      return "stopping";
-  }
-  return "unknown";
-}
-
 float strip_value(double v) { return std::isfinite(v) ? static_cast<float>(v) : 0.0f; }
 
 SceneInfo scene_info(const wire::SceneInfo& in, bool saturation) {
