@@ -35,7 +35,8 @@ std::vector<std::uint32_t> drop_crowded(const std::vector<Vec3>& points, const s
   std::vector<std::uint8_t> gone(at.size(), 0);
   std::vector<std::uint32_t> dropped;
   while (at.size() - dropped.size() > target) {
-    const auto [k, i] = queue.top();
+    const double k = queue.top().first;
+    const std::uint32_t i = queue.top().second;
     queue.pop();
     if (k > key(i) + 1e-12) {  // a neighbour went meanwhile
       queue.emplace(key(i), i);
