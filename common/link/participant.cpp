@@ -104,7 +104,8 @@ Participant::Participant(wire::Channel kind, const Session& session, const Threa
 
 Participant::~Participant() {
   if (kind_ == wire::Channel::haptic && endpoints_abandoned()) {
-    new std::shared_ptr<Domain>(std::move(domain_));  // leaked on purpose
+    // Leaked on purpose; out of memory here ends the process, as it should.
+    new std::shared_ptr<Domain>(std::move(domain_));  // NOLINT(bugprone-unhandled-exception-at-new)
     return;
   }
   dds_delete(entity_);

@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
+#include <cstdio>
 #include <thread>
 
 #include "fault/fault.hpp"
@@ -20,7 +20,7 @@ RoudiState probe_roudi(std::chrono::milliseconds patience) {
   if (file < 0) return RoudiState::absent;
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  std::strcpy(address.sun_path, kRoudiSocket);
+  std::snprintf(address.sun_path, sizeof address.sun_path, "%s", kRoudiSocket);
   RoudiState state = RoudiState::absent;
   if (::connect(file, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
     // Its receive queue holds about ten messages and clients send three a second each: full means that nobody reads.

@@ -6,12 +6,14 @@
 
 #include "rt/alloc_guard.hpp"
 
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): glibc names them
 extern "C" {
 void* __libc_malloc(std::size_t) noexcept;
 void* __libc_calloc(std::size_t, std::size_t) noexcept;
 void* __libc_realloc(void*, std::size_t) noexcept;
 void* __libc_memalign(std::size_t, std::size_t) noexcept;
 void __libc_free(void*) noexcept;
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 
 void* malloc(std::size_t size) noexcept {
   tact::rt::detail::note_allocation();

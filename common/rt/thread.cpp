@@ -44,7 +44,7 @@ std::vector<std::string> apply(const ThreadOptions& options) {
 
 /// Touches the stack below this frame so that the body takes no page fault there.
 [[gnu::noinline]] [[maybe_unused]] int prefault_stack(std::size_t bytes) {
-  constexpr std::size_t kStep = 16 * 1024;
+  constexpr std::size_t kStep = 16384;
   volatile std::uint8_t page[kStep];
   for (std::size_t i = 0; i < kStep; i += 1024) page[i] = 0;
   const int below = bytes > kStep ? prefault_stack(bytes - kStep) : 0;
