@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <vector>
 
 #include "cli/run_options.hpp"
 
@@ -11,5 +12,7 @@ int bake(const RunOptions& options, bool json);
 int scenes(bool json);
 int status(bool json);
 int doctor(bool json);
+/// Becomes the program tact-bench; returns never.
+int bench(const std::vector<std::string>& arguments);
 
 }  // namespace tact::cli

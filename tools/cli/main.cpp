@@ -124,6 +124,11 @@ int run_tact(int argc, char** argv) {
       "Exit status 0: sessions run here (warnings make them late or slow), 1: they do not.\nExample:\n  tact doctor");
   doctor->callback([&] { code = tact::cli::doctor(json); });
 
+  auto* bench = app.add_subcommand("bench", "Measure speed and accuracy on this machine, beside FCL and OpenVDB");
+  bench->set_help_flag();  // tact-bench has its own
+  bench->prefix_command();
+  bench->callback([&] { code = tact::cli::bench(bench->remaining()); });
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {

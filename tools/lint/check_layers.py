@@ -21,7 +21,9 @@ LIBRARIES = {
     "spdlog/": ("common/log",),
     "assimp/": ("services/contact/bake",),
     "toml++/": ("common/session",),
-    "CLI/": ("tools/cli", "common/service", "services/contact/bake"),
+    "CLI/": ("tools/cli", "tools/bench", "common/service", "services/contact/bake"),
+    "fcl/": ("tools/bench",),
+    "openvdb/": ("tools/bench",),
 }
 SOURCES = {".hpp", ".h", ".cpp", ".c", ".cc", ".ipp"}
 SERVICES = ("contact", "coupling", "view")

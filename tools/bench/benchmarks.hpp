@@ -1,0 +1,15 @@
+#pragma once
+#include "bench/report.hpp"
+
+namespace tact::bench {
+
+struct Effort {
+  bool quick = false;  ///< smaller cases, fewer repetitions: a minute for all
+  std::size_t scaled(std::size_t full) const { return quick ? full / 5 : full; }
+};
+
+/// Each measures one thing and adds its tables and bars to the report (README).
+void bench_contact(const Effort& effort, Report& report);
+void bench_sample(const Effort& effort, Report& report);
+
+}  // namespace tact::bench

@@ -1,0 +1,123 @@
+// One value of the field, against OpenVDB's box sampler on the same lattice.
+#include <algorithm>
+#include <cmath>
+
+#include "bench/benchmarks.hpp"
+#include "bench/measure.hpp"
+#include "bench/peers/openvdb_peer.hpp"
+#include "bench/scene.hpp"
+#include "contact/bake/worker/field_bake.hpp"
+
+namespace tact::bench {
+namespace {
+
+Vec3 corner(const Mesh& mesh, std::size_t triangle, std::size_t k) {
+  return mesh.vertices[mesh.triangles[triangle][k]].cast<double>();
+}
+
+/// Points uniform by area on the surface, moved by up to the band along each axis, kept where the field is stored.
+std::vector<Vec3> points_in_band(const Mesh& mesh, const DistanceField& field, std::size_t count, unsigned seed) {
+  std::mt19937 rng(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<double> area;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3 a = corner(mesh, t, 0);
+    area.push_back((corner(mesh, t, 1) - a).cross(corner(mesh, t, 2) - a).norm());
+  }
+  std::discrete_distribution<std::size_t> any_triangle(area.begin(), area.end());
+  std::vector<Vec3> points;
+  while (points.size() < count) {
+    const std::size_t t = any_triangle(rng);
+    double u = unit(rng), v = unit(rng);
+    if (u + v > 1) u = 1 - u, v = 1 - v;
+    const Vec3 a = corner(mesh, t, 0);
+    const Vec3 off = field.band_m() * Vec3(2 * unit(rng) - 1, 2 * unit(rng) - 1, 2 * unit(rng) - 1);
+    const Vec3 p = a + u * (corner(mesh, t, 1) - a) + v * (corner(mesh, t, 2) - a) + off;
+    if (field.sample(p).in_band) points.push_back(p);
+  }
+  return points;
+}
+
+struct Error {
+  double largest = 0, rms = 0;
+};
+
+}  // namespace
+
+void bench_sample(const Effort& effort, Report& report) {
+  constexpr std::size_t kBatch = 4096;
+  constexpr unsigned kSeed = 21;
+  const int cells = effort.quick ? 256 : 512;
+  const LoadedScene scene = load_scene_by_name("alpha", [&](SceneSpec& spec) { spec.field_resolution = cells; });
+  const DistanceField& field = scene.field;
+  const VdbField vdb(scene.obstacle_O, field.min_O(), field.voxel_m(), field.band_m() / field.voxel_m());
+  report.say("Alpha, " + std::to_string(cells) + " cells, field of " +
+             number(1e-6 * static_cast<double>(field.bytes())) + " MB (OpenVDB " +
+             number(1e-6 * static_cast<double>(vdb.bytes())) +
+             " MB): points in the band; OpenVDB: BoxSampler with one accessor, value only, same lattice. Blocks of " +
+             std::to_string(kBatch) + " points, taking turns; ns a point, error in voxels against exact distances.");
+
+  auto points = points_in_band(scene.obstacle_O, field, effort.scaled(100) * kBatch, kSeed);
+  std::vector<float> theirs(points.size()), ours(points.size());
+
+  // Errors.
+  const auto soup = contact::split_soup(contact::clean_soup(scene.obstacle_O), 0);
+  Error our_error, their_error;
+  const std::size_t exact = effort.scaled(50000);
+  vdb.sample(std::span(points).first(exact), std::span(theirs).first(exact));
+  const double h = field.voxel_m();
+  std::size_t in_band = 0;
+  for (std::size_t i = 0; i < exact; ++i) {
+    const double d = soup.signed_distance(points[i]);
+    if (std::fabs(d) > field.band_m() - h) continue;
+    const double a = (field.sample(points[i]).value_m - d) / h, b = (static_cast<double>(theirs[i]) - d) / h;
+    our_error.largest = std::max(our_error.largest, std::fabs(a));
+    their_error.largest = std::max(their_error.largest, std::fabs(b));
+    our_error.rms += a * a;
+    their_error.rms += b * b;
+    ++in_band;
+  }
+  our_error.rms = std::sqrt(our_error.rms / static_cast<double>(in_band));
+  their_error.rms = std::sqrt(their_error.rms / static_cast<double>(in_band));
+
+  std::vector<Report::Row> rows;
+  double random_ratio = 0;
+  for (const bool coherent : {false, true}) {
+    if (coherent) {  // neighbours in space follow one another, as points of a shell do
+      std::sort(points.begin(), points.end(), [&](const Vec3& a, const Vec3& b) {
+        const auto key = [&](const Vec3& p) {
+          const Vec3 u = (p - field.min_O()) / (8 * h);
+          return std::tuple(static_cast<int>(u.z()), static_cast<int>(u.y()), static_cast<int>(u.x()));
+        };
+        return key(a) < key(b);
+      });
+    }
+    const auto batch = [&](auto& all, std::size_t i) { return std::span(all).subspan(i * kBatch, kBatch); };
+    const auto peer = [&](std::size_t i) { vdb.sample(batch(points, i), batch(theirs, i)); };
+    const Pair sample = alternate(
+        points.size() / kBatch, 5,
+        [&](std::size_t i) {
+          const auto in = batch(points, i);
+          const auto out = batch(ours, i);
+          for (std::size_t k = 0; k < kBatch; ++k) {
+            const auto s = field.sample(in[k]);
+            keep(s.gradient);
+            out[k] = static_cast<float>(s.value_m);
+          }
+        },
+        peer);
+    const auto ns = [&](double seconds) { return number(1e9 * seconds / kBatch); };
+    rows.push_back({coherent ? "coherent" : "random", "value and gradient", ns(sample.ours.median()),
+                    ns(sample.ours.percentile(0.99)), ns(sample.theirs.median()), ns(sample.theirs.percentile(0.99)),
+                    number(sample.ratio())});
+    if (!coherent) random_ratio = sample.ratio();
+  }
+  report.table({"points", "Tact gives", "Tact p50", "p99", "OpenVDB p50", "p99", "ratio"}, rows);
+  report.table({"error, voxels", "largest", "rms"},
+               {{"Tact", number(our_error.largest), number(our_error.rms)},
+                {"OpenVDB", number(their_error.largest), number(their_error.rms)}});
+  report.bar("field sample, random points in the band, OpenVDB / Tact", random_ratio, "x", true, 3);
+  report.bar("rms error, Tact / OpenVDB", our_error.rms / their_error.rms, "", false, 1);
+}
+
+}  // namespace tact::bench
