@@ -31,6 +31,7 @@ enum class Fault : std::uint32_t {
   past_mid_surface = 1u << 12,
   beyond_band = 1u << 13,
   peer_restarted = 1u << 14,
+  scene_changed = 1u << 15,  ///< a restarted contact server has other bodies: refused, the device is calm
 };
 
 constexpr std::uint32_t bit(Fault f) noexcept { return static_cast<std::uint32_t>(f); }

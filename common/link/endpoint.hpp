@@ -46,7 +46,7 @@ class Publisher {
 
   /// False when DDS refused. Haptic: does not allocate, but over shared memory it may block 10 ms (pool exhausted) and
   /// for ever after a reader was killed inside an iceoryx lock: call it from a thread somebody can replace
-  /// (WriteGuard).
+  /// (CallGuard).
   bool write(const T& message) noexcept { return endpoint_.write(&message); }
   int matched() const noexcept { return endpoint_.matched(); }  ///< readers now known
   bool shared_memory_capable() const noexcept { return endpoint_.shared_memory_capable(); }

@@ -11,20 +11,26 @@ HapticThread::HapticThread(const rt::ThreadOptions& options, std::function<void(
       }) {}
 
 bool HapticThread::hung() {
-  if (!hung_ && control_->guard.abandon_if_stuck(kWriteLimit)) {
-    hung_ = true;
-    thread_.detach();
-  }
+  if (!hung_ && control_->guard.abandon_if_stuck(kWriteLimit)) leave_behind();
   return hung_;
 }
 
 bool HapticThread::finish() {
   control_->stop.store(true, std::memory_order_relaxed);
-  while (!hung() && !control_->done.load(std::memory_order_acquire)) {
-    std::this_thread::sleep_for(std::chrono::milliseconds{1});
+  for (int looks = 0; !hung() && !control_->done.load(std::memory_order_acquire); ++looks) {
+    if (looks >= kFinishLimit && control_->guard.abandon()) {
+      leave_behind();
+    } else {
+      std::this_thread::sleep_for(std::chrono::milliseconds{1});
+    }
   }
   if (!hung_) thread_.join();
   return !hung_;
+}
+
+void HapticThread::leave_behind() {
+  hung_ = true;
+  thread_.detach();
 }
 
 }  // namespace tact

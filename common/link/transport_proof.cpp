@@ -17,16 +17,20 @@ constexpr std::int64_t kReplyLimitNs = 200'000'000;
 std::int64_t now_ns() { return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds{1}; }
 
 /// False when it was not answered in time or the thread was given up.
-bool round_trip(CouplingEnds& ends, const wire::ToolPose& pose, WriteGuard& guard) {
-  guard.enter();
+bool round_trip(CouplingEnds& ends, const wire::ToolPose& pose, CallGuard& guard, wire::ContactWrench& reply) {
+  guard.enter_write();
   const bool written = ends.out.write(pose);
   if (!guard.leave() || !written) return false;
   const std::int64_t until = now_ns() + kReplyLimitNs;
   for (std::int64_t left = kReplyLimitNs; left > 0; left = until - now_ns()) {
+    bool answered = false;
+    guard.enter_read();
     ends.in.wait(left);
-    for (wire::ContactWrench reply; ends.in.take(reply);) {
-      if (reply.pose_epoch == pose.epoch && reply.pose_seq == pose.seq) return true;
+    while (!answered && ends.in.take(reply)) {
+      answered = reply.pose_epoch == pose.epoch && reply.pose_seq == pose.seq;
     }
+    if (!guard.leave()) return false;
+    if (answered) return true;
   }
   return false;
 }
@@ -56,11 +60,12 @@ std::string TransportProof::text() const {
   return out.str();
 }
 
-TransportProof prove_transport(CouplingEnds& ends, wire::ToolPose pose, WriteGuard& guard, int round_trips) {
+TransportProof prove_transport(CouplingEnds& ends, wire::ToolPose pose, CallGuard& guard, int round_trips) {
   constexpr int kBlocks = 10;
   const int block = round_trips / kBlocks;
   const std::uint64_t limit = static_cast<std::uint64_t>(block) * 4 / 5;
   TransportProof proof;
+  wire::ContactWrench reply{};
   pose.flags |= tact_haptic_TOOL_POSE_QUERY_ONLY;
   pose.seq = kProofSeq;
   for (int attempt = 0; attempt < 3 && !proof.no_datagrams; ++attempt) {
@@ -73,7 +78,7 @@ TransportProof prove_transport(CouplingEnds& ends, wire::ToolPose pose, WriteGua
       for (int i = 0; i < block; ++i, ++proof.round_trips) {
         ++pose.seq;
         pose.t_mono_ns = now_ns();
-        if (!round_trip(ends, pose, guard)) return proof;
+        if (!round_trip(ends, pose, guard, reply)) return proof;
         times.add(now_ns() - pose.t_mono_ns);
       }
       const std::int64_t took_ns = now_ns() - begin_ns;
@@ -88,6 +93,8 @@ TransportProof prove_transport(CouplingEnds& ends, wire::ToolPose pose, WriteGua
     std::sort(datagrams.begin(), datagrams.end());
     const std::uint64_t typical = datagrams[kBlocks / 2];
     proof.answered = true;
+    proof.field_hash = reply.field_hash;
+    proof.shell_hash = reply.shell_hash;
     proof.no_datagrams = typical < limit;
     proof.datagrams = typical * kBlocks;
     proof.p50_us = times.percentile_ns(0.5) * 1e-3;

@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <string>
 
+#include "link/call_guard.hpp"
 #include "link/haptic_ends.hpp"
-#include "link/write_guard.hpp"
 
 namespace tact {
 
@@ -16,7 +16,8 @@ struct TransportProof {
   /// makes as many as round trips, and acknowledgements.
   bool no_datagrams = false;
   int round_trips = 0;
-  std::uint64_t datagrams = 0;  ///< of the exchange: its median tenth, less those of others, times ten
+  std::uint64_t datagrams = 0;                   ///< of the exchange: its median tenth, less those of others, times ten
+  std::uint64_t field_hash = 0, shell_hash = 0;  ///< what the server answers with, from its last reply
   double p50_us = 0, p99_us = 0, max_us = 0;
   std::string text() const;  ///< "500 round trips, p50 25 us, p99 60 us, max 190 us, 3 datagrams"
 };
@@ -29,6 +30,6 @@ inline constexpr std::uint64_t kProofSeq = std::uint64_t{1} << 63;
 /// a quiet time as long, to take off those of other processes. The median block decides; three attempts. Coupling's
 /// side, on its writing thread; the guard may be abandoned meanwhile (answered is false then, and the caller returns at
 /// once).
-TransportProof prove_transport(CouplingEnds& ends, wire::ToolPose pose, WriteGuard& guard, int round_trips = 500);
+TransportProof prove_transport(CouplingEnds& ends, wire::ToolPose pose, CallGuard& guard, int round_trips = 500);
 
 }  // namespace tact

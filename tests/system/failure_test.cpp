@@ -106,6 +106,42 @@ TEST_P(ContactServerKilled, CalmsTheArmWithinTwentyTicksAndComesBackByItself) {
 INSTANTIATE_TEST_SUITE_P(Modes, ContactServerKilled, ::testing::Values("impedance", "pseudo-admittance"),
                          [](const auto& param) { return param.index == 0 ? "impedance" : "pseudo_admittance"; });
 
+TEST(ContactServerRestarted, WithAnotherMeshIsRefusedByNameAndTheArmStaysCalm) {
+  const ScratchDir dir;
+  const auto write_mesh = [&](const char* name, int size_mm) {
+    const auto size = std::to_string(size_mm);
+    const auto path = dir.path() / name;
+    std::ofstream(path) << "v 0 0 0\nv " << size << " 0 0\nv 0 " << size << " 0\nv 0 0 " << size
+                        << "\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    return path.string();
+  };
+  const auto obstacle = write_mesh("obstacle.obj", 50), tool = write_mesh("tool.obj", 20);
+  TactRun run({"--obstacle", obstacle, "--tool", tool, "--unit", "mm", "--view", "off", "--for", "300s"});
+  Observer observer(run.session());
+  ASSERT_TRUE(eventually([&] { return observer.active(); }, seconds{120})) << run.output();
+  const auto coupling = observer.health("coupling")->pid;
+  write_mesh("tool.obj", 25);
+  kill(static_cast<pid_t>(observer.health("contact")->pid), SIGKILL);
+  const auto refused = [&] {
+    const auto health = observer.health("coupling");
+    return health && (health->faults & bit(Fault::scene_changed)) != 0;
+  };
+  ASSERT_TRUE(eventually(refused, seconds{60})) << run.output();
+  // Long after the supervisor would have given a stuck connection up.
+  const auto tick = observer.device().tick;
+  ASSERT_TRUE(eventually([&] { return observer.device().tick > tick + 4000; })) << run.output();
+  EXPECT_TRUE(refused());
+  EXPECT_EQ(observer.health("coupling")->pid, coupling) << "the same process under the same hand";
+  EXPECT_FALSE(observer.active());
+  const auto& state = observer.device();
+  EXPECT_NE(state.faults & bit(Fault::wrench_stale), 0u);
+  const auto& F = state.F_coupling_W.force;
+  EXPECT_EQ(std::abs(F.x) + std::abs(F.y) + std::abs(F.z), 0);
+  EXPECT_EQ(run.stop(), 0) << run.output();
+  EXPECT_TRUE(names(run.report(), "scene_changed")) << run.report().dump(2);
+  EXPECT_NE(run.output().find("restart the session"), std::string::npos) << run.output();
+}
+
 TEST(ContactServerStopped, ForThreeSecondsCalmsTheArmAndTheGridDoesNotSlip) {
   Pressing session;
   ASSERT_TRUE(session.settled()) << session.run.output();

@@ -54,6 +54,7 @@ std::string Supervisor::run() {
   while (!over()) {
     monitor_->poll(kPoll / 1ns);
     watch_services();
+    watch_scene();
     watch_shared_memory();
     watch_beginning();
     measure();
@@ -172,6 +173,14 @@ bool Supervisor::up(const Service& service) const {
          health->phase >= wire::kConnecting;
 }
 
+/// Other bodies under the same hand: coupling refuses them, and stays calm until a person restarts the session.
+void Supervisor::watch_scene() {
+  const auto coupling = monitor_->alive("coupling");
+  const bool changed = coupling && (coupling->faults & bit(Fault::scene_changed)) != 0;
+  if (changed && !scene_changed_) note(fault_names(bit(Fault::scene_changed)), coupling->detail);
+  scene_changed_ = changed;
+}
+
 bool Supervisor::fresh() const {
   const auto coupling = monitor_->alive("coupling"), contact = monitor_->alive("contact");
   return coupling && contact && coupling->phase == wire::kActive && coupling->peer_epoch == contact->epoch &&
@@ -190,7 +199,8 @@ void Supervisor::watch_shared_memory() {
       note(fault_names(bit(Fault::transport_degraded)), "RouDi is gone; the haptic pair goes on without it for now");
     if (restart) return restart_shared_memory("RouDi was gone");
   }
-  if (fresh_watch_.stuck(now, up(service("contact")) && up(service("coupling")), fresh())) {
+  // Refused, not stuck: a new coupling would bring the other scene under the hand.
+  if (fresh_watch_.stuck(now, up(service("contact")) && up(service("coupling")) && !scene_changed_, fresh())) {
     restart_shared_memory("no fresh wrench 2 s after a restart");
   }
 }

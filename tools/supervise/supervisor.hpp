@@ -63,6 +63,7 @@ class Supervisor {
 
   void watch_services();
   void died(Service& service, Ending ending);
+  void watch_scene();
   void watch_shared_memory();
   void watch_beginning();
   void measure();
@@ -93,7 +94,7 @@ class Supervisor {
   RestartPolicy set_policy_{3};
   Time next_roudi_look_{}, next_measure_{}, next_show_{}, last_progress_{}, loading_since_{};
   std::optional<Time> script_done_at_;
-  bool script_reported_ = false, url_shown_ = false;
+  bool script_reported_ = false, url_shown_ = false, scene_changed_ = false;
   std::string fatal_;  ///< not empty: the session ends by this fault
 };
 

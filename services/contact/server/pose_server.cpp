@@ -92,21 +92,22 @@ void PoseServer::supervise() {
     }
     const bool expects_replies = coupling && coupling->phase == wire::kActive && coupling->peer_epoch == epoch_;
     if (thread_->hung()) {
-      lose("a write to it hangs", true);
+      lose("a write to it hangs");
     } else if (!connector_.peer_alive()) {
-      lose("it is gone", false);
+      lose("it is gone");
     } else if (expects_replies && now_ns() - pose_ns_.load(std::memory_order_relaxed) > kSilenceNs &&
                connector_.peer_alive(kSurelyAlive)) {
-      lose("it is matched but silent", false);
+      lose("it is matched but silent");
     }
   }
-  if (thread_) lose("stopping", false);
+  if (thread_) lose("stopping");
 }
 
-void PoseServer::lose(const std::string& why, bool hung) {
-  hung = !thread_->finish() || hung;
+void PoseServer::lose(const std::string& why) {
+  const bool left_behind = !thread_->finish();
   thread_.reset();
-  connector_.drop(hung);
+  connector_.drop(left_behind);
+  if (left_behind) log_warn("the serve thread hangs in DDS and was left behind");
   if (!stop_) say(wire::kConnecting, "coupling lost: " + why);
 }
 
@@ -121,7 +122,10 @@ void PoseServer::serve(const std::shared_ptr<ContactEnds>& ends, std::uint64_t c
   std::uint64_t last_seq = 0;
   std::int64_t snapshot_due_ns = 0;
   while (!control.stop.load(std::memory_order_relaxed)) {
-    if (!ends->in.wait(kWaitNs) || !ends->in.take_newest(pose)) continue;
+    control.guard.enter_read();
+    const bool any = ends->in.wait(kWaitNs) && ends->in.take_newest(pose);
+    if (!control.guard.leave()) return;  // replaced: nothing of `this` is ours any more
+    if (!any) continue;
     const std::int64_t begin_ns = now_ns();
     if (pose.session_id != session_id_ || pose.epoch != coupling_epoch) continue;
     pose_ns_.store(begin_ns, std::memory_order_relaxed);
@@ -138,9 +142,9 @@ void PoseServer::serve(const std::shared_ptr<ContactEnds>& ends, std::uint64_t c
     if (!proof) last_seq = pose.seq;
     const std::int64_t end_ns = now_ns();
     reply.compute_ns = end_ns - begin_ns;
-    control.guard.enter();
+    control.guard.enter_write();
     ends->out.write(reply);
-    if (!control.guard.leave()) return;  // replaced: nothing of `this` is ours any more
+    if (!control.guard.leave()) return;  // as above
 
     status_.fetch_or(result.status, std::memory_order_relaxed);
     if (end_ns >= snapshot_due_ns && (pose.flags & tact_haptic_TOOL_POSE_QUERY_ONLY) == 0) {

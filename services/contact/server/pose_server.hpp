@@ -21,7 +21,7 @@ namespace tact::contact {
 ///                              +--> snapshot mailbox --> SessionLink
 ///
 /// The serve thread is real-time: once connected it neither allocates nor locks (Cyclone frees one sample a take). A
-/// supervisor, which is not, connects it to each coupling incarnation and replaces it when it hangs in a write. It
+/// supervisor, which is not, connects it to each coupling incarnation and replaces it when it hangs. It
 /// keeps phase and detail of Health from start() on: kConnecting, kActive.
 class PoseServer {
  public:
@@ -53,7 +53,7 @@ class PoseServer {
   void supervise();
   void serve(const std::shared_ptr<ContactEnds>& ends, std::uint64_t coupling_epoch,
              HapticThread::Control& control) noexcept;
-  void lose(const std::string& why, bool hung);
+  void lose(const std::string& why);
   void say(wire::Phase phase, const std::string& text);
 
   const std::string transport_;

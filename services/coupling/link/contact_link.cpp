@@ -2,6 +2,7 @@
 
 #include "coupling/link/messages.hpp"
 #include "fault/fault.hpp"
+#include "file/sealed_file.hpp"
 #include "log/log.hpp"
 
 namespace tact::coupling {
@@ -16,7 +17,6 @@ constexpr milliseconds kSilence{500};         // matched, poses sent, no reply: 
 constexpr milliseconds kSurelyAlive{300};     // Health heard more recently: not killed when silence began
 constexpr seconds kReconnectLimit{2};         // to a server that is ready: then something is stuck
 constexpr seconds kConnectLimit{10};          // the first time: discovery on a busy machine
-constexpr std::uint32_t kOwnFaults = bit(Fault::transport_degraded) | bit(Fault::peer_restarted);
 
 std::int64_t now_ns() noexcept { return steady_clock::now().time_since_epoch() / std::chrono::nanoseconds{1}; }
 
@@ -85,17 +85,19 @@ void ContactLink::supervise() {
     const bool active = connection_->proven.load(std::memory_order_acquire);
     const std::int64_t silent_ns = now_ns() - connection_->reply_ns.load(std::memory_order_relaxed);
     if (sender_->hung()) {
-      lose("a write to the contact server hangs", true);
+      lose("a write to the contact server hangs");
     } else if (!connector_.peer_alive()) {
-      lose("the contact server is gone", false);
+      lose("the contact server is gone");
+    } else if (connection_->refused) {
+      continue;
     } else if (active && !status().active && !check_proof()) {
       continue;
     } else if (active && connection_->sent.load(std::memory_order_relaxed) > 20 &&
                silent_ns > std::chrono::nanoseconds{kSilence}.count() && connector_.peer_alive(kSurelyAlive)) {
-      lose("the contact server is matched but silent", false);
+      lose("the contact server is matched but silent");
     }
   }
-  if (connection_) lose("stopping", false);
+  if (connection_) lose("stopping");
 }
 
 void ContactLink::connect(std::shared_ptr<CouplingEnds> ends) {
@@ -112,21 +114,25 @@ void ContactLink::connect(std::shared_ptr<CouplingEnds> ends) {
   ++status_.connections;
 }
 
-/// The send thread has proven the transport, or not. False when the connection was given up.
+/// The send thread has proven the transport, or not. False when the connection is of no use.
 bool ContactLink::check_proof() {
   const TransportProof proof = connection_->proof;
   const bool shm = transport_ == "shm";
   if (!proof.answered) {
-    lose("the contact server does not answer", false);
+    lose("the contact server does not answer");
     return false;
   }
   if (shm && !proof.no_datagrams) {
     const std::string text = proof.text();
-    lose("shared memory is not used", false);
+    lose("shared memory is not used");
     refuse("transport: shared memory was asked for but the network carried the samples (" + text +
            "); stop other network load on this machine and try again, or choose transport = \"udp\"");
     const std::scoped_lock lock(mutex_);
     stop_ = true;
+    return false;
+  }
+  if (proof.field_hash != params_.field_hash || proof.shell_hash != params_.shell_hash) {
+    refuse_scene(proof);
     return false;
   }
   connection_->reply_ns = now_ns();
@@ -134,7 +140,7 @@ bool ContactLink::check_proof() {
       rt::ThreadOptions{.name = "tact-receive", .priority = params_.priority, .cpu = params_.cpu},
       [this, connection = connection_](HapticThread::Control& control) { receive(connection, control); });
   for (const std::string& missing : receiver_->missing()) log_warn(missing);
-  health_.set_faults(kOwnFaults, 0);
+  health_.set_faults(kFaults, 0);
   const std::string detail = "connected, " + std::string(shm ? "shared memory proven: " : "UDP: ") + proof.text();
   health_.update([&](wire::Health& h) {
     h.phase = wire::kActive;
@@ -152,18 +158,19 @@ bool ContactLink::check_proof() {
   return true;
 }
 
-void ContactLink::lose(const std::string& why, bool hung) {
+void ContactLink::lose(const std::string& why) {
   {
     const std::scoped_lock lock(mutex_);
     status_.active = false;
     status_.server_epoch = 0;
   }
-  hung = !sender_->finish() || hung;
-  if (receiver_) receiver_->finish();
+  const bool sender_left = !sender_->finish(), receiver_left = receiver_ && !receiver_->finish();
+  if (sender_left) log_warn("the send thread hangs in DDS and was left behind");
+  if (receiver_left) log_warn("the receive thread hangs in DDS and was left behind");
   sender_.reset();
   receiver_.reset();
   connection_.reset();
-  connector_.drop(hung);
+  connector_.drop(sender_left || receiver_left);
   waiting_since_ = steady_clock::now();
   if (stopping()) return;
   log_warn("haptic connection lost: ", why);
@@ -206,6 +213,18 @@ void ContactLink::refuse(const std::string& why) {
   changed_.notify_all();
 }
 
+/// Stays connected, so that the next server is noticed; no reply of this one reaches the loop.
+void ContactLink::refuse_scene(const TransportProof& proof) {
+  connection_->refused = true;
+  const std::string text = "the contact server serves another scene: found field " + hex(proof.field_hash) +
+                           " and pointshell " + hex(proof.shell_hash) + ", this session began with " +
+                           hex(params_.field_hash) + " and " + hex(params_.shell_hash) +
+                           ". Has a mesh file changed? The arm stays calm: restart the session";
+  health_.set_faults(bit(Fault::scene_changed), bit(Fault::scene_changed));
+  health_.phase(wire::kDegraded, text);
+  log_error(text);
+}
+
 void ContactLink::send(const std::shared_ptr<Connection>& connection, HapticThread::Control& control) noexcept {
   wire::ToolPose pose;
   to_wire(params_.probe, session_id_, epoch_, pose);
@@ -217,7 +236,7 @@ void ContactLink::send(const std::shared_ptr<Connection>& connection, HapticThre
   while (!control.stop.load(std::memory_order_relaxed)) {
     if (!mail_.tool_ready.wait(kWaitNs) || !mail_.tool.read(sample)) continue;
     to_wire(sample, session_id_, epoch_, pose);
-    control.guard.enter();
+    control.guard.enter_write();
     connection->ends->out.write(pose);
     if (!control.guard.leave()) return;  // replaced: `this` is no longer ours to touch
     connection->sent.fetch_add(1, std::memory_order_relaxed);
@@ -228,10 +247,14 @@ void ContactLink::receive(const std::shared_ptr<Connection>& connection, HapticT
   ContactReply reply;
   wire::ContactWrench wrench;
   while (!control.stop.load(std::memory_order_relaxed)) {
-    if (!connection->ends->in.wait(kWaitNs) || !connection->ends->in.take_newest(wrench)) continue;
+    control.guard.enter_read();
+    const bool any = connection->ends->in.wait(kWaitNs) && connection->ends->in.take_newest(wrench);
+    if (!control.guard.leave()) return;  // replaced: the mailbox is its successor's
+    if (!any) continue;
     const std::int64_t now = now_ns();
     const bool ours = wrench.pose_epoch == epoch_ && wrench.session_id == session_id_ &&
-                      wrench.server_epoch == connection->server_epoch && (wrench.pose_seq & kProofSeq) == 0;
+                      wrench.server_epoch == connection->server_epoch && (wrench.pose_seq & kProofSeq) == 0 &&
+                      wrench.field_hash == params_.field_hash && wrench.shell_hash == params_.shell_hash;
     if (!ours || !finite(wrench)) continue;
     from_wire(wrench, reply);
     reply.received_mono_ns = now;

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "coupling/loop/mailboxes.hpp"
+#include "fault/fault.hpp"
 #include "link/haptic_connector.hpp"
 #include "link/haptic_thread.hpp"
 #include "link/transport_proof.hpp"
@@ -27,13 +28,21 @@ namespace tact::coupling {
 ///   kConnecting  until the first connection       kActive    poses and replies flow, transport proven
 ///   kConnecting  again after the server was lost  kDegraded  with Fault::transport_degraded: RouDi and all
 ///                                                            shared-memory processes must be restarted together
+///   kDegraded    with Fault::scene_changed: a restarted server answers for other bodies than Params names. None of its
+///                replies reaches the loop, which stays calm, until a server with the right ones comes back. The new
+///                scene is not taken over: poses, inertia and the saturation would jump under the hand
 class ContactLink {
  public:
   struct Params {
     int priority = 70;  ///< SCHED_FIFO of the send and receive threads; 0: normal
     int cpu = -1;
-    ToolSample probe;  ///< the pose the transport is proven with: where the tool starts
+    ToolSample probe;                              ///< the pose the transport is proven with: where the tool starts
+    std::uint64_t field_hash = 0, shell_hash = 0;  ///< of the scene the loop was made for
   };
+
+  /// The fault bits of Health this class sets and clears.
+  static constexpr std::uint32_t kFaults =
+      bit(Fault::transport_degraded) | bit(Fault::peer_restarted) | bit(Fault::scene_changed);
 
   /// Makes the haptic participant. `low` is the session participant; all references must outlive it.
   /// Throws SetupError: no RouDi, no loopback.
@@ -44,7 +53,7 @@ class ContactLink {
   ContactLink& operator=(const ContactLink&) = delete;
 
   void start();
-  /// After the device rests. Returns within a second, also when a thread hangs: it is left behind then.
+  /// After the device rests. Returns within about a second, also when a thread hangs: it is left behind then.
   void stop();
 
   /// True once poses and replies flow; false after `limit`. Throws SetupError when the transport was refused: the peer
@@ -65,6 +74,7 @@ class ContactLink {
   struct Connection {
     std::shared_ptr<CouplingEnds> ends;
     std::uint64_t server_epoch = 0;
+    bool refused = false;             // supervisor: another scene
     std::atomic<bool> proven{false};  // proof is complete; `proof` may be read
     TransportProof proof;
     std::atomic<std::uint64_t> sent{0};     // poses since the last reply
@@ -74,9 +84,10 @@ class ContactLink {
   void supervise();
   void connect(std::shared_ptr<CouplingEnds> ends);
   bool check_proof();
-  void lose(const std::string& why, bool hung);
+  void lose(const std::string& why);
   void report_waiting();
   void check_transport();
+  void refuse_scene(const TransportProof& proof);
   void refuse(const std::string& why);
   bool stopping();
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 
+#include "coupling/link/contact_link.hpp"
 #include "coupling/link/messages.hpp"
 #include "fault/fault.hpp"
 #include "link/convert.hpp"
@@ -19,8 +20,7 @@ constexpr milliseconds kStatePeriod{16};
 constexpr milliseconds kStatsPeriod{500};
 constexpr seconds kHandSilence{1};
 constexpr seconds kLoopAnswer{1};
-// ContactLink owns the others.
-constexpr std::uint32_t kLoopFaults = ~(bit(Fault::transport_degraded) | bit(Fault::peer_restarted));
+constexpr std::uint32_t kLoopFaults = ~ContactLink::kFaults;
 
 /// Scene keys that may change while the loop runs.
 constexpr std::array kLive{"coupling.saturation", "coupling.stiffness_n_per_m", "coupling.damping_ratio",
@@ -54,17 +54,7 @@ SessionLink::SessionLink(const Session& session, const Participant& low, HealthR
 std::optional<SceneModel> SessionLink::wait_scene(milliseconds limit) {
   wire::Message<wire::SceneInfo> info;
   if (!scenes_.wait(std::chrono::nanoseconds{limit}.count()) || !scenes_.take_newest(info)) return std::nullopt;
-  SceneModel model;
-  model.server_epoch = info.server_epoch;
-  model.X_TM = from_wire(info.X_TM);
-  model.X_WO = from_wire(info.X_WO);
-  model.inertia_shape_m2 = from_wire(info.inertia_shape_m2);
-  model.gyration_radius_m = info.gyration_radius_m;
-  model.tool_radius_m = info.tool_radius_m;
-  model.voxel_m = info.voxel_m;
-  model.stiffness_n_per_m = info.stiffness_n_per_m;
-  model.x_max_m = info.x_max_m;
-  return model;
+  return scene_model(info);
 }
 
 void SessionLink::start(const LoopParameters& in_force) {

@@ -24,7 +24,8 @@ class SessionLink {
   SessionLink& operator=(const SessionLink&) = delete;
 
   /// Before start(): the scene as the contact server loaded it, empty after `limit`. Call it in steps that look at the
-  /// stop signal; the server may bake for minutes first (its Health tells).
+  /// stop signal; the server may bake for minutes first (its Health tells). Throws SetupError when it makes no
+  /// sense (scene_model).
   std::optional<SceneModel> wait_scene(std::chrono::milliseconds limit);
 
   /// After it the loop may run. `in_force` is what the loop was made with.

@@ -231,6 +231,7 @@ void CouplingLoop::close_tick(const rt::Tick& tick, const DeviceReading& device)
     record.F_contact_W = contact_.F_W;
     record.F_sent_W = F_sent_W_;
     record.X_sent = sent_.X_W;
+    record.V_sent = sent_.V_W;
     record.max_depth_m = reply_.max_depth_m;
     record.tick_ns = end_ns - tick.woke_ns;
     recorder_->push(record);

@@ -14,9 +14,13 @@ double angular_stiffness(const LoopParameters& p, double gyration_radius_m) {
                                     : p.stiffness_n_per_m * gyration_radius_m * gyration_radius_m;
 }
 
-/// Towards `wanted`; from no limit at all it comes in where it first bites.
-double slewed_cap(double cap_now, double wanted, double acting, double rise, double fall) {
-  if (wanted == kUnlimited) return kUnlimited;
+/// Towards `wanted`. From no limit at all it comes in where it first bites; to no limit it rises, e-fold in kRise_s,
+/// until it no longer bites: after a fade, or when the saturation is switched off, the coupling may pull hard.
+double slewed_cap(double cap_now, double wanted, double acting, double rise, double fall, double h) {
+  if (wanted == kUnlimited) {
+    const bool bites = acting >= 0.9 * cap_now;
+    return bites ? cap_now + std::max(rise, cap_now * h / CouplingStrength::kRise_s) : kUnlimited;
+  }
   if (cap_now == kUnlimited) return std::max(wanted, acting);
   return std::clamp(wanted, cap_now - fall, cap_now + rise);
 }
@@ -65,9 +69,9 @@ void CouplingStrength::advance(const WrenchModel& wrench, bool may_act, const Wr
   // The last wrench, at full strength: what the cap would have to be to bite now.
   const double part = gains_.strength > 0 ? 1 / gains_.strength : 0;
   const double force = part * F_coupling_W.force.norm(), torque = part * F_coupling_W.torque.norm();
-  double cap_force = slewed_cap(gains_.force_max, wanted_.saturation ? force_max_ : kUnlimited, force, rise, fall);
+  double cap_force = slewed_cap(gains_.force_max, wanted_.saturation ? force_max_ : kUnlimited, force, rise, fall, h);
   double cap_torque = slewed_cap(gains_.torque_max, wanted_.saturation ? torque_max() : kUnlimited, torque,
-                                 rise * gyration_radius_m_, fall * gyration_radius_m_);
+                                 rise * gyration_radius_m_, fall * gyration_radius_m_, h);
   if (wrench.phase() == WrenchModel::Phase::fading) {
     cap_force = std::min(cap_force, force);
     cap_torque = std::min(cap_torque, torque);

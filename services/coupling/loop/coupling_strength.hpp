@@ -6,9 +6,9 @@
 namespace tact::coupling {
 
 /// The gains in force this tick: the parameters asked for, reached without a jump; the saturation k x_max of the
-/// latest reply, slewed; and the strength, which follows the wrench model down through its fade at once and comes back
-/// over kReturn_s. While it fades the coupling force may not grow: what the hand feels only falls.
-/// Real time: no allocation.
+/// latest reply, slewed, also to and from none at all; and the strength, which follows the wrench model down through
+/// its fade at once and comes back over kReturn_s. While it fades the coupling force may not grow: what the hand feels
+/// only falls. Real time: no allocation.
 class CouplingStrength {
  public:
   static constexpr double kReturn_s = 0.5;                ///< from calm to full strength

@@ -26,6 +26,14 @@ std::string wrench_columns(const std::string& name) {
   return columns;
 }
 
+std::string twist_columns(const std::string& name) {
+  std::string columns;
+  for (const char* c : {"vx_m_per_s", "vy_m_per_s", "vz_m_per_s", "wx_rad_per_s", "wy_rad_per_s", "wz_rad_per_s"}) {
+    columns += "," + name + "_" + c;
+  }
+  return columns;
+}
+
 }  // namespace
 
 FlightRecorder::FlightRecorder(double rate_hz, double history_s, std::filesystem::path directory, int files_max)
@@ -69,7 +77,7 @@ std::filesystem::path FlightRecorder::dump(const std::string& reason) {
   out << "# tact flight record, schema 1: " << reason << '\n'
       << "tick,t_mono_ns,pose_seq,reply_seq,wrench_age_ticks,faults,contact_count" << pose_columns("X_WH")
       << pose_columns("X_WT") << wrench_columns("F_contact_W") << wrench_columns("F_sent_W") << pose_columns("X_sent")
-      << ",max_depth_m,tick_ns\n";
+      << twist_columns("V_sent") << ",max_depth_m,tick_ns\n";
   for (const TickRecord& r : history_) {
     out << r.tick << ',' << r.t_mono_ns << ',' << r.pose_seq << ',' << r.reply_seq << ',' << r.wrench_age_ticks << ','
         << r.faults << ',' << r.contact_count;
@@ -80,6 +88,8 @@ std::filesystem::path FlightRecorder::dump(const std::string& reason) {
     put(out, r.F_sent_W.force);
     put(out, r.F_sent_W.torque);
     put(out, r.X_sent);
+    put(out, r.V_sent.linear);
+    put(out, r.V_sent.angular);
     out << ',' << r.max_depth_m << ',' << r.tick_ns << '\n';
   }
   out.close();

@@ -22,6 +22,7 @@ struct TickRecord {
   Wrench F_contact_W;  ///< on the tool, after extrapolation or fade
   Wrench F_sent_W;     ///< impedance: wrench sent to the device; pseudo-admittance: of the coupling
   Pose X_sent;         ///< pseudo-admittance: set-point sent
+  Twist V_sent;        ///< pseudo-admittance: its twist
   double max_depth_m = 0;
   std::int64_t tick_ns = 0;  ///< time the tick took
 };

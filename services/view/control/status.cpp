@@ -15,7 +15,7 @@ struct Words {
   Fault fault;
   const char* text;
 };
-constexpr std::array<Words, 15> kWords{{
+constexpr std::array<Words, 16> kWords{{
     {Fault::wrench_late, "Contact force late: extrapolating"},
     {Fault::wrench_stale, "No contact force: the arm is calm"},
     {Fault::contacts_full, "More contacts than capacity: the deepest count"},
@@ -31,6 +31,7 @@ constexpr std::array<Words, 15> kWords{{
     {Fault::past_mid_surface, "Past the middle of a thin part"},
     {Fault::beyond_band, "Deeper than the stored field"},
     {Fault::peer_restarted, "A service was restarted"},
+    {Fault::scene_changed, "The scene changed: restart the session"},
 }};
 
 const ServiceHealth* find(const ViewScene& scene, const std::string& service) {

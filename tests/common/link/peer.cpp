@@ -1,8 +1,9 @@
-// link_test_peer <what> <session> <transport>: the other process of the transport tests.
-//   contact   answers every pose (F.x = its seq) until SIGTERM
+// link_test_peer <what> <session> <transport> [<hash>]: the other process of the transport tests.
+//   contact   answers every pose (F.x = its seq) until SIGTERM, from a scene of that hash
 //   coupling  connects, proves the transport, prints the result, then sends 1 kHz for ever
 //   listener  prints each Health detail heard
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <thread>
 
@@ -16,7 +17,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-void contact(const Session& session) {
+void contact(const Session& session, std::uint64_t hash) {
   StopSignal stop;
   const Participant low(wire::Channel::session, session), haptic(wire::Channel::haptic, session);
   HealthReporter health(low, "contact", session.machine.transport);
@@ -37,6 +38,7 @@ void contact(const Session& session) {
       reply.server_epoch = process_epoch();
       reply.F[0] = static_cast<double>(pose.seq);
       reply.X_WT.orientation.w = reply.X_WO.orientation.w = 1;
+      reply.field_hash = reply.shell_hash = hash;
       reply.pose_epoch = pose.epoch;
       reply.pose_seq = pose.seq;
       ends->out.write(reply);
@@ -55,7 +57,7 @@ void coupling(const Session& session) {
   while (!stop.requested()) {
     const auto ends = connector.poll();
     if (!ends) continue;
-    WriteGuard guard;
+    CallGuard guard;
     wire::ToolPose pose{};
     pose.epoch = process_epoch();
     const auto proof = prove_transport(*ends, pose, guard, 2000);
@@ -90,12 +92,12 @@ void listener(const Session& session) {
 }  // namespace tact
 
 int main(int argc, char** argv) {
-  if (argc != 4) return 64;
+  if (argc != 4 && argc != 5) return 64;
   tact::Session session;
   session.name = argv[2];
   session.machine.transport = argv[3];
   try {
-    if (!std::strcmp(argv[1], "contact")) tact::contact(session);
+    if (!std::strcmp(argv[1], "contact")) tact::contact(session, argc == 5 ? std::strtoull(argv[4], nullptr, 10) : 0);
     if (!std::strcmp(argv[1], "coupling")) tact::coupling(session);
     if (!std::strcmp(argv[1], "listener")) tact::listener(session);
   } catch (const tact::SetupError& e) {

@@ -17,8 +17,9 @@ using namespace std::chrono_literals;
 
 class ContactLinkTest : public ::testing::TestWithParam<const char*> {
  protected:
-  test::Process start_server(const std::string& transport = GetParam()) {
-    return {{TACT_PEER, "contact", session_.name, transport}, dir_.path() / ("server" + std::to_string(servers_++))};
+  test::Process start_server(const std::string& transport = GetParam(), const std::string& hash = "0") {
+    return {{TACT_PEER, "contact", session_.name, transport, hash},
+            dir_.path() / ("server" + std::to_string(servers_++))};
   }
   bool replies(std::uint64_t more) {
     const std::uint64_t before = loop_.replies;
@@ -64,6 +65,33 @@ TEST_P(ContactLinkTest, AKilledServerIsFollowedByItsSuccessor) {
     EXPECT_TRUE(test::eventually([&] { return health_.now().phase == wire::kConnecting; }));
   }
   EXPECT_EQ(link_.status().connections, 3u);
+  EXPECT_EQ(loop_.wrong, 0u);
+}
+
+TEST_P(ContactLinkTest, AServerRestartedWithAnotherMeshIsRefusedUntilTheRightOneComesBack) {
+  link_.start();
+  for (const char* hash : {"0", "1", "0"}) {
+    auto server = start_server(GetParam(), hash);
+    if (std::string(hash) == "0") {
+      ASSERT_TRUE(test::eventually([&] { return link_.status().active; })) << health_.now().detail;
+      EXPECT_EQ(health_.now().faults & bit(Fault::scene_changed), 0u);
+      EXPECT_TRUE(replies(100));
+    } else {
+      const std::uint64_t before = loop_.replies;
+      ASSERT_TRUE(test::eventually([&] { return health_.now().phase == wire::kDegraded; })) << health_.now().detail;
+      EXPECT_EQ(health_.now().faults & ContactLink::kFaults & ~bit(Fault::peer_restarted), bit(Fault::scene_changed));
+      const std::string detail = health_.now().detail;
+      EXPECT_NE(detail.find("found field 0000000000000001"), std::string::npos) << detail;
+      EXPECT_NE(detail.find("restart the session"), std::string::npos) << detail;
+      const std::uint64_t tick = loop_.ticks;
+      EXPECT_TRUE(test::eventually([&] { return loop_.ticks > tick + 1000; }));
+      EXPECT_EQ(loop_.replies, before);
+      EXPECT_FALSE(link_.status().active);
+      EXPECT_EQ(health_.now().phase, wire::kDegraded) << "it says so as long as it is so";
+    }
+    server.signal(SIGKILL);
+    ASSERT_TRUE(test::eventually([&] { return health_.now().phase == wire::kConnecting; }));
+  }
   EXPECT_EQ(loop_.wrong, 0u);
 }
 

@@ -28,7 +28,7 @@ class Loop {
     stop_ = true;
     thread_.join();
   }
-  std::atomic<std::uint64_t> replies{0}, wrong{0}, server_epoch{0};
+  std::atomic<std::uint64_t> ticks{0}, replies{0}, wrong{0}, server_epoch{0};
 
  private:
   void run() {
@@ -42,7 +42,7 @@ class Loop {
         server_epoch = reply.server_epoch;
         ++replies;
       }
-      ++sample.seq;
+      ticks = ++sample.seq;
       mail_.tool.write(sample);
       mail_.tool_ready.ring();
       std::this_thread::sleep_until(next += 1ms);

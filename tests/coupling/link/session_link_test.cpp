@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "coupling/link/some_scene.hpp"
 #include "fault/fault.hpp"
 #include "link/convert.hpp"
 #include "support/process.hpp"
@@ -145,17 +146,23 @@ TEST(SessionLink, TheSceneIsTakenFromTheServer) {
   Fixture f;
   EXPECT_FALSE(f.link.wait_scene(10ms));
   Publisher<wire::SceneInfo> scenes(f.low);
-  wire::SceneInfo info{};
+  wire::SceneInfo info = some_scene();
   info.server_epoch = 4;
-  info.inertia_shape_m2[1] = 0.5;
   info.X_TM.position.x = 0.25;
-  info.X_TM.orientation.w = info.X_WO.orientation.w = 1;
   scenes.write(info);
   const auto model = f.link.wait_scene(5s);
   ASSERT_TRUE(model);
   EXPECT_EQ(model->server_epoch, 4u);
-  EXPECT_EQ(model->inertia_shape_m2(0, 1), 0.5);
   EXPECT_EQ(model->X_TM.p.x(), 0.25);
+}
+
+TEST(SessionLink, ASceneWithoutSenseIsRefusedBeforeTheLoopBegins) {
+  Fixture f;
+  Publisher<wire::SceneInfo> scenes(f.low);
+  wire::SceneInfo info = some_scene();
+  info.voxel_m = 0;
+  scenes.write(info);
+  EXPECT_THROW(f.link.wait_scene(5s), SetupError);
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
+#include <sstream>
 #include <string>
 
 #include "fault/fault.hpp"
@@ -53,6 +55,28 @@ TEST_F(FlightRecorderFiles, AFaultDumpsTheTicksBeforeItAndOneSecondAfter) {
   ASSERT_EQ(ticks.size(), 300u);
   EXPECT_EQ(ticks.front(), 301u);
   EXPECT_EQ(ticks.back(), 600u);
+}
+
+TEST_F(FlightRecorderFiles, TheTwistSentStandsUnderItsName) {
+  FlightRecorder recorder(100, 1, directory_);
+  TickRecord record;
+  record.V_sent = {Vec3(1, 2, 3), Vec3(4, 5, 6)};
+  recorder.push(record);
+  recorder.drain(0);
+  std::ifstream in(recorder.dump("test"));
+  std::string columns, cells;
+  std::getline(in, columns);
+  std::getline(in, columns);
+  std::getline(in, cells);
+  std::istringstream names(columns), values(cells);
+  int found = 0;
+  for (std::string name, value; std::getline(names, name, ',') && std::getline(values, value, ',');) {
+    if (name.rfind("V_sent_", 0) == 0) {
+      EXPECT_EQ(std::stoi(value), ++found) << name;
+    }
+  }
+  EXPECT_EQ(found, 6);
+  EXPECT_EQ(std::count(columns.begin(), columns.end(), ','), std::count(cells.begin(), cells.end(), ','));
 }
 
 TEST_F(FlightRecorderFiles, FaultsThatAreNotAskedForAreNotDumped) {

@@ -1,4 +1,4 @@
-#include "link/write_guard.hpp"
+#include "link/call_guard.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,44 +10,55 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(WriteGuard, AThreadThatReturnsInTimeGoesOn) {
-  WriteGuard guard;
-  guard.enter();
+TEST(CallGuard, AThreadThatReturnsInTimeGoesOn) {
+  CallGuard guard;
+  guard.enter_write();
   EXPECT_FALSE(guard.abandon_if_stuck(1h));
   EXPECT_TRUE(guard.leave());
 }
 
-TEST(WriteGuard, AThreadOutsideAWriteIsNeverGivenUp) {
-  WriteGuard guard;
+TEST(CallGuard, AThreadOutsideAWriteIsNeverGivenUp) {
+  CallGuard guard;
   EXPECT_FALSE(guard.abandon_if_stuck(0ns));
-  guard.enter();
+  guard.enter_write();
   EXPECT_TRUE(guard.leave());
   EXPECT_FALSE(guard.abandon_if_stuck(0ns));
 }
 
-TEST(WriteGuard, AThreadGivenUpLearnsItWhenItComesBack) {
-  WriteGuard guard;
-  guard.enter();
+TEST(CallGuard, AThreadGivenUpLearnsItWhenItComesBack) {
+  CallGuard guard;
+  guard.enter_write();
   EXPECT_TRUE(guard.abandon_if_stuck(0ns));
   EXPECT_FALSE(guard.abandon_if_stuck(0ns));
   EXPECT_FALSE(guard.leave());
 }
 
+TEST(CallGuard, AReaderMaySleepAsLongAsItLikesUntilItIsAskedToStop) {
+  CallGuard guard;
+  guard.enter_read();
+  EXPECT_FALSE(guard.abandon_if_stuck(0ns));
+  EXPECT_TRUE(guard.leave());
+  EXPECT_FALSE(guard.abandon());
+  guard.enter_read();
+  EXPECT_TRUE(guard.abandon());
+  EXPECT_FALSE(guard.leave());
+}
+
 // Whatever the interleaving: once given up, the writer does not touch what its successor owns.
-TEST(WriteGuard, WriterAndSuccessorNeverShare) {
+TEST(CallGuard, WriterAndSuccessorNeverShare) {
   for (int round = 0; round < 200; ++round) {
-    WriteGuard guard;
+    CallGuard guard;
     int owned = 0;  // by the writer until it is given up; TSan watches it
     std::atomic<bool> stop{false};
     std::thread writer([&] {
       while (!stop) {
         ++owned;
-        guard.enter();
+        round % 2 == 0 ? guard.enter_write() : guard.enter_read();
         if (!guard.leave()) return;
       }
     });
     bool given_up = false;
-    for (int i = 0; i < 1000 && !given_up; ++i) given_up = guard.abandon_if_stuck(0ns);
+    for (int i = 0; i < 1000 && !given_up; ++i) given_up = guard.abandon();
     if (given_up) ++owned;
     stop = true;
     writer.join();
