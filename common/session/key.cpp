@@ -27,6 +27,19 @@ bool whole(const std::string& text, Number& out) {
   return error == std::errc{} && end == last && first != last;
 }
 
+/// "20s", "1.5min", "20"; NaN when it is not a time.
+double seconds_of(const std::string& text) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const std::string unit(end, static_cast<std::size_t>(text.data() + text.size() - end));
+  const double factor = unit.empty() || unit == "s" ? 1
+                        : unit == "ms"              ? 1e-3
+                        : unit == "min"             ? 60
+                        : unit == "h"               ? 3600
+                                                    : std::nan("");
+  return error == std::errc{} ? number * factor : std::nan("");
+}
+
 }  // namespace
 
 Key flag(std::string name, bool& member) {
@@ -63,6 +76,17 @@ Key number(std::string name, double& member, double lowest, double highest, cons
             return true;
           },
           [&member] { return std::optional<Value>{member}; }};
+}
+
+Key duration(std::string name, double& member_s, double highest_s, const std::string& note) {
+  Key key = number(std::move(name), member_s, 0, highest_s, "");
+  key.kind = Kind::text;
+  key.expected = "a time from 0 to " + shortest(highest_s) + " s such as 500ms, 20s, 2min or 1h (" + note + ")";
+  key.set = [set = std::move(key.set)](const Value& v) {
+    const auto* s = std::get_if<std::string>(&v);
+    return set(s ? Value{seconds_of(*s)} : v);
+  };
+  return key;
 }
 
 Key text(std::string name, std::string& member, const std::string& what,

@@ -33,6 +33,8 @@ using Keys = std::vector<Key>;
 Key flag(std::string name, bool& member);
 Key integer(std::string name, int& member, int lowest, int highest);
 Key number(std::string name, double& member, double lowest, double highest, const std::string& unit);
+/// Seconds, as a number or as text with ms, s, min or h: 20, "20s", "1.5min".
+Key duration(std::string name, double& member_s, double highest_s, const std::string& note);
 Key text(std::string name, std::string& member, const std::string& what, std::function<bool(const std::string&)> valid);
 Key choice(std::string name, std::string& member, std::initializer_list<const char*> choices);
 Key path(std::string name, std::filesystem::path& member, const std::filesystem::path& base, const std::string& what);

@@ -176,6 +176,24 @@ Keys machine_keys(MachineSpec& m, const std::filesystem::path& base) {
           path("cache.dir", m.cache_dir, base, "a path to a folder")};
 }
 
+Keys run_keys(RunSpec& run, const std::filesystem::path& base) {
+  // Script and hand move the same hand: the last one said holds.
+  const auto instead_of = [](auto& other, Key key) {
+    key.set = [set = std::move(key.set), &other](const Value& v) {
+      const bool good = set(v);
+      if (good) other.clear();
+      return good;
+    };
+    return key;
+  };
+  return {instead_of(run.hand_csv, text("run.script", run.script, "the name of a script of the scene, or \"\" for none",
+                                        [](const std::string& s) { return s.empty() || is_name(s); })),
+          instead_of(run.script, path("run.hand", run.hand_csv, base, "a path to a CSV file of poses")),
+          duration("run.for_s", run.for_s, 1e6, "0: no end of its own"),
+          path("run.report", run.report, base, "a path to a JSON file"),
+          path("run.plot", run.plot, base, "a path to a PNG file")};
+}
+
 Keys session_keys(Session& s, const std::filesystem::path& base) {
   Keys keys{text("name", s.name, kNameRule, is_name)};
   // Text, not a number: TOML integers stop at 2^63 - 1.
@@ -190,13 +208,12 @@ Keys session_keys(Session& s, const std::filesystem::path& base) {
                     return true;
                   },
                   [&s] { return std::optional<Value>{std::to_string(s.id)}; }});
-  append(keys, {path("run_dir", s.run_dir, base, "a path to a folder"), text("script", s.script, kNameRule, is_name),
-                path("hand", s.hand_csv, base, "a path to a CSV file of poses"),
-                number("hand_force_max_n", s.hand_force_max_n, 0.1, 200, "N"),
+  append(keys, {path("run_dir", s.run_dir, base, "a path to a folder"),
                 path("scene_file", s.scene.file, base, "a path to a scene file"),
                 path("machine_file", s.machine.file, base, "a path to a machine file")});
   append(keys, prefixed("scene.", scene_keys(s.scene, base)));
   append(keys, prefixed("machine.", machine_keys(s.machine, base)));
+  append(keys, run_keys(s.run, base));
   return keys;
 }
 

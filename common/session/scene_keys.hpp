@@ -11,6 +11,7 @@ void make_room(SceneSpec& scene, const std::string& key);
 /// Every key of the object; relative paths are taken from `base`.
 Keys scene_keys(SceneSpec& scene, const std::filesystem::path& base);
 Keys machine_keys(MachineSpec& machine, const std::filesystem::path& base);
+Keys run_keys(RunSpec& run, const std::filesystem::path& base);
 Keys session_keys(Session& session, const std::filesystem::path& base);
 
 }  // namespace tact::session

@@ -1,6 +1,6 @@
 #include "session/session.hpp"
 
-#include <tuple>
+#include <utility>
 
 #include "fault/fault.hpp"
 #include "session/scene_keys.hpp"
@@ -35,7 +35,7 @@ void check_body(const std::string& where, const std::string& name, const BodySpe
   check_file(where, name + ".mesh", body.mesh);
 }
 
-void check(const SceneSpec& scene, const std::string& where, const std::string& prefix) {
+void check_scene(const SceneSpec& scene, const std::string& where, const std::string& prefix) {
   check_body(where, prefix + "obstacle", scene.obstacle);
   check_body(where, prefix + "tool", scene.tool);
   for (const auto& [name, script] : scene.scripts) {
@@ -45,10 +45,6 @@ void check(const SceneSpec& scene, const std::string& where, const std::string& 
   }
 }
 
-std::filesystem::path folder_of(const std::filesystem::path& file) {
-  return std::filesystem::absolute(file).lexically_normal().parent_path();
-}
-
 bool mentions(const std::vector<Entry>& entries, const std::string& key) {
   for (const auto& e : entries) {
     if (e.name == key) return true;
@@ -56,15 +52,48 @@ bool mentions(const std::vector<Entry>& entries, const std::string& key) {
   return false;
 }
 
+/// `entries`: of one file, in which neither of two that exclude each other was said last.
+void check_run(const Session& s, const std::string& where, const std::vector<Entry>& entries = {}) {
+  if (mentions(entries, "run.script") && mentions(entries, "run.hand")) {
+    refuse(where, "run.hand", "run.script stated as well", "one of them: both move the hand");
+  }
+  if (!s.run.hand_csv.empty()) check_file(where, "run.hand", s.run.hand_csv);
+  if (s.run.script.empty() || s.scene.scripts.count(s.run.script) != 0) return;
+  std::string known;
+  for (const auto& [name, script] : s.scene.scripts) known += " " + name;
+  refuse(where, "run.script", "\"" + s.run.script + "\"",
+         known.empty() ? "none: scene " + s.scene.name + " has no scripts" : "one of" + known);
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+  return std::filesystem::absolute(file).lexically_normal().parent_path();
+}
+
+/// Of two that exclude each other, the last one said holds.
+void keep_last_said(const std::string& key, const SceneSpec& before, SceneSpec& next) {
+  if (key == "contact.f_max_n") next.contact.stiffness_n_per_m = 0;
+  for (auto [was, now] : {std::pair{&before.obstacle, &next.obstacle}, std::pair{&before.tool, &next.tool}}) {
+    if (now->shape != was->shape) {
+      now->shape_params.clear();
+      now->mesh.clear();
+      now->unit.clear();
+    } else if (now->mesh != was->mesh) {
+      now->shape.clear();
+      now->shape_params.clear();
+    }
+  }
+}
+
 }  // namespace
 
-SceneSpec load_scene(const std::filesystem::path& path) {
+void load_scene(const std::filesystem::path& path, Session& session) {
   const auto entries = session::read_toml(path);
-  SceneSpec scene;
+  SceneSpec& scene = session.scene = {};
   scene.file = std::filesystem::absolute(path).lexically_normal();
   scene.name = path.stem().string();
   for (const auto& entry : entries) session::make_room(scene, entry.name);
-  const auto keys = session::scene_keys(scene, folder_of(path));
+  auto keys = session::scene_keys(scene, folder_of(path));
+  session::append(keys, session::run_keys(session.run, folder_of(path)));
   session::apply(entries, keys, path);
   const std::string where = path.string() + ": ";
   for (const auto& key : keys) {
@@ -74,15 +103,24 @@ SceneSpec load_scene(const std::filesystem::path& path) {
   if (mentions(entries, "contact.stiffness_n_per_m") && mentions(entries, "contact.f_max_n")) {
     refuse(where, "contact.stiffness_n_per_m", "f_max_n stated as well", "one of them: F_max = k x_max links them");
   }
-  check(scene, where, "");
-  return scene;
+  check_scene(scene, where, "");
+  check_run(session, where, entries);
 }
 
-MachineSpec load_machine(const std::filesystem::path& path) {
-  MachineSpec machine;
-  machine.file = std::filesystem::absolute(path).lexically_normal();
-  session::apply(session::read_toml(path), session::machine_keys(machine, folder_of(path)), path);
-  return machine;
+SceneSpec load_scene(const std::filesystem::path& path) {
+  Session session;
+  load_scene(path, session);
+  return session.scene;
+}
+
+void load_machine(const std::filesystem::path& path, Session& session) {
+  const auto entries = session::read_toml(path);
+  session.machine = {};
+  session.machine.file = std::filesystem::absolute(path).lexically_normal();
+  auto keys = session::machine_keys(session.machine, folder_of(path));
+  session::append(keys, session::run_keys(session.run, folder_of(path)));
+  session::apply(entries, keys, path);
+  check_run(session, path.string() + ": ", entries);
 }
 
 Session load_session(const std::filesystem::path& path) {
@@ -96,8 +134,8 @@ Session load_session(const std::filesystem::path& path) {
   const std::string where = path.string() + ": ";
   if (s.name.empty()) refuse(where, "name", "nothing", "the name of the session");
   if (s.run_dir.empty()) refuse(where, "run_dir", "nothing", "a path to a folder");
-  if (!s.hand_csv.empty()) check_file(where, "hand", s.hand_csv);
-  check(s.scene, where, scene_prefix);
+  check_scene(s.scene, where, scene_prefix);
+  check_run(s, where, entries);
   return s;
 }
 
@@ -106,30 +144,36 @@ void save_session(const Session& s, const std::filesystem::path& path) {
   session::write_toml(session::session_keys(copy, folder_of(path)), path);
 }
 
-void check_scene(const SceneSpec& scene) { check(scene, scene.file.empty() ? "" : scene.file.string() + ": ", ""); }
+void check_session(const Session& session) {
+  const auto& file = session.scene.file;
+  check_scene(session.scene, file.empty() ? "" : file.string() + ": ", "");
+  check_run(session, "");
+}
+
+std::optional<ScriptSpec> scripted_hand(const Session& session) {
+  if (!session.run.script.empty()) return session.scene.scripts.at(session.run.script);
+  if (!session.run.hand_csv.empty()) return ScriptSpec{session.run.hand_csv, {}};
+  return std::nullopt;
+}
+
+void set_key(Session& session, const std::string& key, const std::string& value) {
+  const auto base = std::filesystem::current_path();
+  Session next = session;
+  session::make_room(next.scene, key);
+  auto keys = session::scene_keys(next.scene, base);
+  session::append(keys, session::machine_keys(next.machine, base));
+  session::append(keys, session::run_keys(next.run, base));
+  session::apply_text(key, value, keys);
+  keep_last_said(key, session.scene, next.scene);
+  session = std::move(next);
+}
 
 void set_scene_key(SceneSpec& scene, const std::string& key, const std::string& value) {
   SceneSpec next = scene;
   session::make_room(next, key);
   session::apply_text(key, value, session::scene_keys(next, std::filesystem::current_path()));
-  // Of two that exclude each other, the last one said holds.
-  if (key == "contact.f_max_n") next.contact.stiffness_n_per_m = 0;
-  for (auto [name, before, now] :
-       {std::tuple{"obstacle", &scene.obstacle, &next.obstacle}, std::tuple{"tool", &scene.tool, &next.tool}}) {
-    if (now->shape != before->shape) {
-      now->shape_params.clear();
-      now->mesh.clear();
-      now->unit.clear();
-    } else if (now->mesh != before->mesh) {
-      now->shape.clear();
-      now->shape_params.clear();
-    }
-  }
+  keep_last_said(key, scene, next);
   scene = std::move(next);
-}
-
-void set_machine_key(MachineSpec& machine, const std::string& key, const std::string& value) {
-  session::apply_text(key, value, session::machine_keys(machine, std::filesystem::current_path()));
 }
 
 }  // namespace tact

@@ -86,6 +86,17 @@ struct MachineSpec {
   std::filesystem::path cache_dir;  ///< empty: $TACT_CACHE, $XDG_CACHE_HOME/tact, ~/.cache/tact
 };
 
+/// How this run of the scene goes. A scene file, a machine file and the command line may each say so: the last one
+/// holds.
+struct RunSpec {
+  std::string script;  ///< of the scene; empty: none
+  std::filesystem::path
+      hand_csv;      ///< the user's own motion in place of a script; empty: none. Its last pose is the goal
+  double for_s = 0;  ///< ends by itself after this time in contact service; 0: it does not
+  std::filesystem::path report,
+      plot;  ///< written at the end, JSON and PNG; empty: none, and the plot beside the report
+};
+
 /// Everything a service needs to know: written by `tact run` to <run_dir>/session.toml, read by each service.
 struct Session {
   std::string name;  ///< [a-z0-9-]{1,24}: topics, shared-memory prefix, run directory
@@ -93,15 +104,16 @@ struct Session {
   std::filesystem::path run_dir;
   SceneSpec scene;
   MachineSpec machine;
-  std::string script;              ///< empty: none
-  std::filesystem::path hand_csv;  ///< of --hand or of the script; empty: none
-  double hand_force_max_n = 20;
+  RunSpec run;
 };
 
 /// All throw SetupError "<file>: <key>: found <what>, expected <what>" on unreadable files, unknown keys, wrong types,
 /// impossible values. Relative paths are relative to the file that names them. Keys: README.md.
-SceneSpec load_scene(const std::filesystem::path& path);
-MachineSpec load_machine(const std::filesystem::path& path);
+/// Scene and machine files may hold [run] keys too: they go to session.run, over what it holds, and a script is to be
+/// one of session.scene. So the scene comes first.
+void load_scene(const std::filesystem::path& path, Session& session);
+void load_machine(const std::filesystem::path& path, Session& session);
+SceneSpec load_scene(const std::filesystem::path& path);  ///< its [run] keys checked, and dropped
 Session load_session(const std::filesystem::path& path);
 void save_session(const Session& session, const std::filesystem::path& path);  ///< load_session reads the same back
 HandMotion load_hand_motion(const std::filesystem::path& csv);
@@ -109,12 +121,15 @@ HandMotion load_hand_motion(const std::filesystem::path& csv);
 /// Sets one key as on the command line or in a Parameter message ("contact.law" = "global"); flags are on/off or
 /// true/false, lists "x,y,z", relative paths are taken from the current folder. Throws SetupError "<key>: found ...,
 /// expected ..." and changes nothing.
+void set_key(Session& session, const std::string& key, const std::string& value);  ///< of scene, machine or run
 void set_scene_key(SceneSpec& scene, const std::string& key, const std::string& value);
-void set_machine_key(MachineSpec& machine, const std::string& key, const std::string& value);
 
-/// The rules between keys: one of shape and mesh, a unit with every mesh, files that exist. load_scene and load_session
-/// check them; whoever builds a scene by keys calls this once at the end. Throws as above.
-void check_scene(const SceneSpec& scene);
+/// The rules between keys: one of shape and mesh, a unit with every mesh, files and scripts that exist. What is loaded
+/// has been checked; whoever sets keys calls this once at the end. Throws as above.
+void check_session(const Session& session);
+
+/// What moves the simulated hand: the script run.script, or run.hand as one; nothing: the mouse only.
+std::optional<ScriptSpec> scripted_hand(const Session& session);
 
 /// Scenes that come with the program, sorted; and the file of one: "alpha" is <share>/scenes/alpha.toml, anything with
 /// a slash or ending in .toml is a path. Throws SetupError naming the scenes there are.

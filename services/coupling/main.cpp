@@ -30,9 +30,11 @@ DeviceOptions device_options(const Session& session) {
   options.name = session.machine.device;
   options.mode = session.machine.mode;
   options.rate_hz = session.machine.rate_hz;
-  options.hand_force_max_n = session.hand_force_max_n;
   options.virtual_mass_kg = session.scene.coupling.mass_kg;
-  if (!session.hand_csv.empty()) options.hand_motion = load_hand_motion(session.hand_csv);
+  if (const auto hand = scripted_hand(session)) {
+    options.hand_force_max_n = hand->hand_force_max_n;
+    options.hand_motion = load_hand_motion(hand->hand_csv);
+  }
   return options;
 }
 

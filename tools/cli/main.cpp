@@ -12,11 +12,11 @@ namespace {
 
 constexpr int kUserError = 2;
 
+/// Stands for a key of a scene or machine file; --set takes all the others.
 struct ShortOption {
   const char *option, *key, *help;
 };
-// Each stands for a key of a scene or machine file; --set takes all the others.
-constexpr ShortOption kShortOptions[] = {
+constexpr ShortOption kSessionOptions[] = {
     {"--device", "device.driver", "simulated; playback and virtuose are reserved, not in this version"},
     {"--mode", "device.mode", "pseudo-admittance or impedance"},
     {"--law", "contact.law", "none, global, adaptive-3dof, adaptive-6dof or potential"},
@@ -29,32 +29,35 @@ constexpr ShortOption kShortOptions[] = {
     {"--resolution", "obstacle.field_cells", "Cells of the distance field along the obstacle's longest side"},
     {"--points", "tool.points", "Points of the tool's pointshell"},
 };
-
-/// What the parser fills; CLI11 keeps references to it.
-struct RunArguments {
-  tact::cli::RunOptions options;
-  std::string duration;
+constexpr ShortOption kRunOptions[] = {
+    {"--script", "run.script", "Hand motion of the scene to play (see tact scenes)"},
+    {"--hand", "run.hand", "Your own hand motion: CSV time_s,x_m,y_m,z_m,qw,qx,qy,qz; its last pose is the goal"},
+    {"--for", "run.for_s", "End by itself after this time in contact service: 20s, 2min"},
+    {"--report", "run.report", "Write the session report as JSON, and its plot beside it"},
+    {"--plot", "run.plot", "Where to draw the plot (PNG)"},
 };
 
-void add_session_options(CLI::App& command, RunArguments& arguments) {
-  auto& o = arguments.options;
-  command.add_option("SCENE", o.scene, "Name of a scene (see tact scenes) or path of a scene file");
-  for (const ShortOption& s : kShortOptions) {
-    command.add_option_function<std::string>(
-        s.option,
-        [&o, s](const std::string& value) {
-          o.settings.push_back({s.option, s.key, value});
-        },
-        std::string(s.help) + "  [key " + s.key + "]");
-  }
+// trigger_on_parse: settings come in the order typed, for the last one said to hold.
+void add_short_option(CLI::App& command, tact::cli::RunOptions& o, const ShortOption& s) {
   command
-      .add_option_function<std::vector<std::string>>(
-          "--set",
-          [&o](const std::vector<std::string>& values) {
-            for (const auto& value : values) o.settings.push_back(tact::cli::parse_set(value));
+      .add_option_function<std::string>(
+          s.option,
+          [&o, s](const std::string& value) {
+            o.settings.push_back({s.option, s.key, value});
           },
+          std::string(s.help) + "  [key " + s.key + "]")
+      ->trigger_on_parse();
+}
+
+/// CLI11 keeps references to `o`.
+void add_session_options(CLI::App& command, tact::cli::RunOptions& o) {
+  command.add_option("SCENE", o.scene, "Name of a scene (see tact scenes) or path of a scene file");
+  for (const ShortOption& s : kSessionOptions) add_short_option(command, o, s);
+  command
+      .add_option_function<std::string>(
+          "--set", [&o](const std::string& value) { o.settings.push_back(tact::cli::parse_set(value)); },
           "KEY=VALUE: any key of a scene or machine file, such as contact.p=8")
-      ->allow_extra_args(false);
+      ->trigger_on_parse();
   command.add_option("--machine", o.machine_file,
                      "Machine file: device, rates, transport (default: /etc/tact/machine.toml if there)");
   command.add_option("--obstacle", o.obstacle,
@@ -63,17 +66,11 @@ void add_session_options(CLI::App& command, RunArguments& arguments) {
   command.add_option("--unit", o.unit, "Unit of the numbers in your meshes: m, cm, mm or inch");
 }
 
-void add_run(CLI::App& app, RunArguments& arguments, std::function<void()> action) {
+void add_run(CLI::App& app, tact::cli::RunOptions& o, std::function<void()> action) {
   auto* run = app.add_subcommand("run", "Run a session: contact server, coupling, view");
-  auto& o = arguments.options;
-  add_session_options(*run, arguments);
-  run->add_option("--script", o.script, "Hand motion of the scene to play (see tact scenes)");
-  run->add_option("--hand", o.hand,
-                  "Your own hand motion: CSV time_s,x_m,y_m,z_m,qw,qx,qy,qz; its last pose is the goal");
+  add_session_options(*run, o);
+  for (const ShortOption& s : kRunOptions) add_short_option(*run, o, s);
   run->add_option("--session", o.session, "Name of the session (default: the scene's name and a random number)");
-  run->add_option("--for", arguments.duration, "End by itself after this time in contact service: 20s, 2min");
-  run->add_option("--report", o.report, "Write the session report as JSON, and its plot beside it");
-  run->add_option("--plot", o.plot, "Where to draw the plot (PNG)");
   run->add_option("--write-session", o.write_session, "Write the session file (for the systemd units) and do not run");
   run->footer(
       "Examples:\n"
@@ -93,20 +90,16 @@ int run_tact(int argc, char** argv) {
   int code = 0;
   bool json = false;
 
-  RunArguments run_arguments;
-  add_run(app, run_arguments, [&] {
-    auto& o = run_arguments.options;
-    if (!run_arguments.duration.empty()) o.for_s = tact::cli::parse_duration_s("--for", run_arguments.duration);
-    code = tact::cli::run(o);
-  });
+  tact::cli::RunOptions run_options;
+  add_run(app, run_options, [&] { code = tact::cli::run(run_options); });
 
-  RunArguments bake_arguments;
+  tact::cli::RunOptions bake_options;
   auto* bake = app.add_subcommand("bake", "Bake a scene's distance field and pointshell now, and show the bake report");
-  add_session_options(*bake, bake_arguments);
+  add_session_options(*bake, bake_options);
   bake->add_flag("--json", json, "The whole report as JSON");
   bake->footer(
       "Examples:\n  tact bake alpha\n  tact bake --obstacle housing.glb --tool pump.stl --unit mm --resolution 512");
-  bake->callback([&] { code = tact::cli::bake(bake_arguments.options, json); });
+  bake->callback([&] { code = tact::cli::bake(bake_options, json); });
 
   auto* scenes = app.add_subcommand("scenes", "List the scenes that come with Tact, and their scripts");
   scenes->add_flag("--json", json, "As JSON");

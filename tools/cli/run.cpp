@@ -13,7 +13,7 @@ int run(const RunOptions& options) {
     std::printf("Session %s written to %s\n", session.name.c_str(), options.write_session.c_str());
     return 0;
   }
-  supervise::Supervisor supervisor(std::move(session), {options.for_s, options.report, options.plot});
+  supervise::Supervisor supervisor(std::move(session));
   const std::string fault = supervisor.run();
   if (fault.empty()) return 0;
   std::fprintf(stderr, "tact: %s\n", fault.c_str());

@@ -1,6 +1,5 @@
 #pragma once
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,11 +14,9 @@ struct Setting {
 
 /// What `tact run` was told. Empty: not said.
 struct RunOptions {
-  std::string scene, script, session, unit;
-  std::filesystem::path machine_file, obstacle, tool, hand;
-  std::vector<Setting> settings;  ///< in the order typed
-  std::optional<double> for_s;
-  std::filesystem::path report, plot;
+  std::string scene, session, unit;
+  std::filesystem::path machine_file, obstacle, tool;
+  std::vector<Setting> settings;        ///< in the order typed
   std::filesystem::path write_session;  ///< write the session file here and do not run
 };
 
@@ -27,11 +24,8 @@ struct RunOptions {
 /// left to whoever runs it. Throws SetupError naming the option or the key.
 Session resolve(const RunOptions& options);
 
-/// Sets a scene or machine key; error texts begin with the option.
-void apply(const Setting& setting, SceneSpec& scene, MachineSpec& machine);
-
-/// "20s", "1.5 min" style durations: a number with ms, s, min or h; a bare number is seconds. Throws SetupError.
-double parse_duration_s(const std::string& option, const std::string& text);
+/// Sets the key; error texts begin with the option.
+void apply(const Setting& setting, Session& session);
 
 /// KEY=VALUE of --set. Throws SetupError.
 Setting parse_set(const std::string& text);

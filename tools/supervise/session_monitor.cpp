@@ -84,7 +84,7 @@ report::SessionReport SessionMonitor::report() const {
   report::SessionReport r;
   r.session = session_.name;
   r.scene = session_.scene.name;
-  r.script = session_.script;
+  r.script = session_.run.script;
   r.device = session_.machine.device;
   r.mode = session_.machine.mode;
   r.transport = session_.machine.transport;

@@ -19,10 +19,10 @@ constexpr auto kSilenceAtStart = 30s;  // without any progress a session that ha
 constexpr auto kRoudiLook = 250ms;
 constexpr auto kAfterScript = 1s;
 
-void require_writable(const char* option, const std::filesystem::path& path) {
+void require_writable(const char* key, const std::filesystem::path& path) {
   if (!path.empty() && !std::ofstream(path, std::ios::app)) {
-    throw SetupError(std::string(option) + ": " + path.string() +
-                     " cannot be written: does its folder exist, may you write there?");
+    throw SetupError(std::string(key) + ": found \"" + path.string() +
+                     "\", which cannot be written, expected a file in a folder that exists and is yours to write in");
   }
 }
 
@@ -35,10 +35,10 @@ Session prepared(Session session, const std::filesystem::path& run_dir) {
 
 }  // namespace
 
-Supervisor::Supervisor(Session session, const SupervisorOptions& options)
-    : options_(options), run_dir_(session.name), session_(prepared(std::move(session), run_dir_.path())) {
-  require_writable("--report", options_.report);
-  require_writable("--plot", options_.plot);
+Supervisor::Supervisor(Session session)
+    : run_dir_(session.name), session_(prepared(std::move(session), run_dir_.path())) {
+  require_writable("run.report", session_.run.report);
+  require_writable("run.plot", session_.run.plot);
   save_session(session_, run_dir_.path() / "session.toml");
   if (shm()) roudi_ = std::make_unique<RoudiLease>(share_dir() / "roudi.toml");
   monitor_ = std::make_unique<SessionMonitor>(session_);
@@ -239,8 +239,8 @@ void Supervisor::measure() {
 bool Supervisor::over() {
   if (stop_signal_.requested() || !fatal_.empty()) return true;
   if (!monitor_->begun()) return false;
-  if (options_.for_s) return monitor_->elapsed_s() >= *options_.for_s;
-  if (session_.hand_csv.empty() || !monitor_->script_done()) return false;
+  if (session_.run.for_s > 0) return monitor_->elapsed_s() >= session_.run.for_s;
+  if (!scripted_hand(session_) || !monitor_->script_done()) return false;
   const auto now = Clock::now();
   if (!script_done_at_) script_done_at_ = now;
   if (now - *script_done_at_ < kAfterScript) return false;

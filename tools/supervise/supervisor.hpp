@@ -17,11 +17,6 @@
 
 namespace tact::supervise {
 
-struct SupervisorOptions {
-  std::optional<double> for_s;
-  std::filesystem::path report, plot;  ///< empty: none
-};
-
 /// Runs one session: holds a share of RouDi, starts tact-contact, tact-coupling and tact-view, follows their health,
 /// restarts what dies, reports, and leaves nothing behind.
 ///
@@ -32,8 +27,8 @@ struct SupervisorOptions {
 ///   too many deaths            contact, coupling: the session ends with a fault; view: it goes on without
 class Supervisor {
  public:
-  /// Throws SetupError when the session cannot begin: name taken, port taken, no shared memory.
-  Supervisor(Session session, const SupervisorOptions& options);
+  /// Throws SetupError when the session cannot begin: name taken, port taken, no shared memory, report not writable.
+  explicit Supervisor(Session session);
   ~Supervisor();
 
   /// Until the session ends. Returns the fault that ended it, empty when it ended as wished. Throws SetupError when a
@@ -81,7 +76,6 @@ class Supervisor {
   bool up(const Service& service) const;  ///< its present process has loaded and speaks
   bool fresh() const;                     ///< coupling works on fresh wrenches
 
-  SupervisorOptions options_;
   StopSignal stop_signal_;  // before any thread
   RunDir run_dir_;
   Session session_;

@@ -95,15 +95,17 @@ void Supervisor::write_report() {
     report.services.push_back({s->name, lived_s > 0 ? 100 * cpu_s / lived_s : 0, s->peak_mb, s->restarts});
   }
   console_.line(report::to_table(report));
-  if (!options_.report.empty()) {
-    std::ofstream out(options_.report);
+  if (!session_.run.report.empty()) {
+    std::ofstream out(session_.run.report);
     out << report::to_json(report) << std::flush;
-    if (!out) throw SetupError("--report: " + options_.report.string() + " could not be written: is the disk full?");
-    console_.line("Report: " + options_.report.string());
+    if (!out)
+      throw SetupError("run.report: " + session_.run.report.string() + " could not be written: is the disk full?");
+    console_.line("Report: " + session_.run.report.string());
     keep_flight_records();
   }
-  std::filesystem::path plot = options_.plot;
-  if (plot.empty() && !options_.report.empty()) plot = std::filesystem::path(options_.report).replace_extension(".png");
+  std::filesystem::path plot = session_.run.plot;
+  if (plot.empty() && !session_.run.report.empty())
+    plot = std::filesystem::path(session_.run.report).replace_extension(".png");
   if (plot.empty()) return;
   try {
     report::write_plot(session_.name + ": " + report.scene + " " + report.script + ", law " + report.law,
@@ -118,8 +120,8 @@ void Supervisor::keep_flight_records() {
   for (const auto& entry : std::filesystem::directory_iterator(run_dir_.path())) {
     const std::string name = entry.path().filename();
     if (name.rfind("flight-", 0) != 0) continue;
-    auto kept = options_.report;
-    kept.replace_filename(options_.report.stem().string() + "-" + name);
+    auto kept = session_.run.report;
+    kept.replace_filename(session_.run.report.stem().string() + "-" + name);
     std::error_code error;
     std::filesystem::copy_file(entry.path(), kept, std::filesystem::copy_options::overwrite_existing, error);
     console_.line(error ? "! " + kept.string() + ": " + error.message() : "Flight record of a fault: " + kept.string());

@@ -78,22 +78,71 @@ TEST(SceneKey, TheLastSaidOfTwoThatExcludeEachOtherHolds) {
   EXPECT_TRUE(scene.tool.unit.empty());
 }
 
-TEST(MachineKey, TextSetsAndRefuses) {
-  MachineSpec machine;
-  set_machine_key(machine, "device.mode", "impedance");
-  set_machine_key(machine, "device.rate_hz", "250");
-  set_machine_key(machine, "view.enabled", "off");
-  set_machine_key(machine, "view.bind", "::1");
+TEST(SessionKey, TextSetsAndRefusesKeysOfSceneMachineAndRun) {
+  Session session;
+  MachineSpec& machine = session.machine;
+  set_key(session, "device.mode", "impedance");
+  set_key(session, "device.rate_hz", "250");
+  set_key(session, "view.enabled", "off");
+  set_key(session, "view.bind", "::1");
+  set_key(session, "contact.law", "none");
+  set_key(session, "run.report", "/reports/a.json");
   EXPECT_EQ(machine.mode, "impedance");
   EXPECT_EQ(machine.rate_hz, 250);
   EXPECT_FALSE(machine.view);
   EXPECT_EQ(machine.bind, "::1");
-  EXPECT_EQ(setup_error([&] { set_machine_key(machine, "transport", "tcp"); }),
+  EXPECT_EQ(session.scene.contact.law, "none");
+  EXPECT_EQ(session.run.report, "/reports/a.json");
+  EXPECT_EQ(setup_error([&] { set_key(session, "transport", "tcp"); }),
             "transport: found \"tcp\", expected one of shm udp");
-  EXPECT_NE(setup_error([&] { set_machine_key(machine, "view.port", "65536"); }), "no error");
-  EXPECT_NE(setup_error([&] { set_machine_key(machine, "view.bind", "localhost"); }), "no error");
-  EXPECT_NE(setup_error([&] { set_machine_key(machine, "view.token", "short"); }), "no error");
-  EXPECT_NE(setup_error([&] { set_machine_key(machine, "contact.law", "none"); }), "no error");
+  EXPECT_EQ(setup_error([&] { set_key(session, "rate_hz", "500"); }),
+            "rate_hz: found this unknown key, expected a known key; did you mean device.rate_hz?");
+  EXPECT_NE(setup_error([&] { set_key(session, "view.port", "65536"); }), "no error");
+  EXPECT_NE(setup_error([&] { set_key(session, "view.bind", "localhost"); }), "no error");
+  EXPECT_NE(setup_error([&] { set_key(session, "view.token", "short"); }), "no error");
+}
+
+TEST(SessionKey, AParameterMessageReachesTheSceneOnly) {
+  SceneSpec scene;
+  for (const char* key : {"device.rate_hz", "run.script", "run.report"}) {
+    EXPECT_NE(setup_error([&] { set_scene_key(scene, key, "500"); }).find("unknown key"), std::string::npos) << key;
+  }
+}
+
+TEST(RunKey, ADurationIsANumberOfSecondsOrTextWithAUnit) {
+  Session session;
+  const auto seconds = [&](const char* text) {
+    set_key(session, "run.for_s", text);
+    return session.run.for_s;
+  };
+  EXPECT_DOUBLE_EQ(seconds("20s"), 20);
+  EXPECT_DOUBLE_EQ(seconds("1.5"), 1.5);
+  EXPECT_DOUBLE_EQ(seconds("250ms"), 0.25);
+  EXPECT_DOUBLE_EQ(seconds("2min"), 120);
+  EXPECT_DOUBLE_EQ(seconds("1h"), 3600);
+  EXPECT_DOUBLE_EQ(seconds("0"), 0);
+  for (const char* wrong : {"", "s", "-1s", "nan", "inf", "20 seconds", "1e99"}) {
+    EXPECT_EQ(setup_error([&] { seconds(wrong); }),
+              "run.for_s: found \"" + std::string(wrong) +
+                  "\", expected a time from 0 to 1e+06 s such as 500ms, 20s, 2min or 1h (0: no end of its own)");
+  }
+}
+
+TEST(RunKey, OfScriptAndHandTheLastOneSaidMovesTheHand) {
+  Session session;
+  session.scene.scripts["press"] = {"/scenes/press.csv", "", 7};
+  EXPECT_FALSE(scripted_hand(session).has_value());
+  set_key(session, "run.script", "press");
+  EXPECT_EQ(scripted_hand(session)->hand_csv, "/scenes/press.csv");
+  EXPECT_EQ(scripted_hand(session)->hand_force_max_n, 7);
+  set_key(session, "run.hand", "own.csv");
+  EXPECT_TRUE(session.run.script.empty());
+  EXPECT_EQ(scripted_hand(session)->hand_csv, std::filesystem::current_path() / "own.csv");
+  EXPECT_EQ(scripted_hand(session)->hand_force_max_n, ScriptSpec{}.hand_force_max_n);
+  set_key(session, "run.script", "press");
+  EXPECT_EQ(scripted_hand(session)->hand_csv, "/scenes/press.csv");
+  set_key(session, "run.script", "");
+  EXPECT_FALSE(scripted_hand(session).has_value());
 }
 
 TEST(Readme, DocumentsEveryKey) {
@@ -105,8 +154,10 @@ TEST(Readme, DocumentsEveryKey) {
   scene.scripts["NAME"];
   scene.obstacle.shape_params["NAME"] = scene.tool.shape_params["NAME"] = 0;
   MachineSpec machine;
+  RunSpec run;
   auto keys = session::scene_keys(scene, "/");
   session::append(keys, session::machine_keys(machine, "/"));
+  session::append(keys, session::run_keys(run, "/"));
   for (const auto& key : keys) {
     EXPECT_NE(readme.str().find("`" + key.name + "`"), std::string::npos) << key.name;
   }

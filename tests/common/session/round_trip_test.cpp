@@ -13,9 +13,10 @@ Session full_session(const TempFolder& folder) {
   s.name = "alpha-1";
   s.id = 0xfedcba9876543210u;  // beyond a TOML integer
   s.run_dir = folder.path();
-  s.script = "solve";
-  s.hand_csv = folder.write("h \"odd\"\\name.csv", "");
-  s.hand_force_max_n = 13.7;
+  s.run.hand_csv = folder.write("h \"odd\"\\name.csv", "");
+  s.run.for_s = 0.1 + 0.2;
+  s.run.report = "/reports/r.json";
+  s.run.plot = "/reports/p.png";
   s.scene.name = "alpha";
   s.scene.title = "Two \"alphas\" \xce\xb1";
   s.scene.file = "/scenes/alpha.toml";
@@ -39,7 +40,7 @@ Session full_session(const TempFolder& folder) {
   s.scene.coupling.saturation = false;
   s.scene.coupling.rotation_locked = true;
   s.scene.coupling.mass_kg = 0.3;
-  s.scene.scripts["solve"] = {s.hand_csv, "the way out", 15};
+  s.scene.scripts["solve"] = {s.run.hand_csv, "the way out", 15};
   s.machine.file = "/machines/lab.toml";
   s.machine.device = "playback";
   s.machine.rate_hz = 1e3 / 3;
@@ -67,7 +68,10 @@ TEST(Session, ReadsBackExactlyWhatWasSaved) {
   }
   // Not through the keys: would show a key bound to the wrong member.
   EXPECT_EQ(read.id, saved.id);
-  EXPECT_EQ(read.hand_csv, saved.hand_csv);
+  EXPECT_EQ(read.run.hand_csv, saved.run.hand_csv);
+  EXPECT_EQ(read.run.for_s, saved.run.for_s);
+  EXPECT_EQ(read.run.report, saved.run.report);
+  EXPECT_EQ(read.run.plot, saved.run.plot);
   EXPECT_EQ(read.scene.title, saved.scene.title);
   EXPECT_EQ(read.scene.file, saved.scene.file);
   EXPECT_EQ(read.scene.obstacle.shape_params, saved.scene.obstacle.shape_params);
@@ -98,7 +102,7 @@ TEST(Session, DefaultsRoundTripToo) {
   EXPECT_FALSE(r.scene.goal_X_WM.has_value());
   EXPECT_TRUE(r.machine.token.empty());
   EXPECT_TRUE(r.machine.cache_dir.empty());
-  EXPECT_TRUE(r.script.empty());
+  EXPECT_FALSE(scripted_hand(r).has_value());
 }
 
 TEST(Session, FileIsReadableByItsOwnerOnly) {

@@ -130,19 +130,25 @@ TEST(Scene, FileNameThatIsNoSceneNameIsRefused) {
 
 TEST(Machine, LoadsAndRefuses) {
   TempFolder folder;
-  const MachineSpec m = load_machine(folder.write(
-      "m.toml", "transport = \"udp\"\n[device]\nmode = \"impedance\"\n[view]\nport = 0\n[cache]\ndir = \"c\"\n"));
+  Session session;
+  load_machine(folder.write("m.toml",
+                            "transport = \"udp\"\n[device]\nmode = \"impedance\"\n[view]\nport = 0\n"
+                            "[cache]\ndir = \"c\"\n"),
+               session);
+  const MachineSpec& m = session.machine;
   EXPECT_EQ(m.transport, "udp");
   EXPECT_EQ(m.port, 0);
   EXPECT_EQ(m.cache_dir, folder.path() / "c");
   const auto bad = folder.write("bad.toml", "[device]\nrate = 1000\n");
-  EXPECT_EQ(setup_error([&] { load_machine(bad); }), bad.string() +
-                                                         ": device.rate: found this unknown key at line 2, "
-                                                         "expected a known key; did you mean device.rate_hz?");
+  EXPECT_EQ(setup_error([&] { load_machine(bad, session); }), bad.string() +
+                                                                  ": device.rate: found this unknown key at line 2, "
+                                                                  "expected a known key; did you mean device.rate_hz?");
 }
 
 TEST(Machine, TheDefaultFileSaysWhatTheProgramDoesAnyway) {
-  const MachineSpec m = load_machine(TACT_SOURCE_DIR "/deploy/machines/default.toml");
+  Session session;
+  load_machine(TACT_SOURCE_DIR "/deploy/machines/default.toml", session);
+  const MachineSpec& m = session.machine;
   const MachineSpec d;
   EXPECT_EQ(m.device, d.device);
   EXPECT_EQ(m.mode, d.mode);
@@ -157,6 +163,66 @@ TEST(Machine, TheDefaultFileSaysWhatTheProgramDoesAnyway) {
   EXPECT_EQ(m.view, d.view);
   EXPECT_EQ(m.port, d.port);
   EXPECT_EQ(m.bind, d.bind);
+}
+
+constexpr const char* kPress = "[scripts.press]\nhand = \"press.csv\"\n";
+
+TEST(RunTable, OfASceneFileSaysWhatIsPlayedWithPathsRelativeToTheFile) {
+  TempFolder folder;
+  folder.write("press.csv", "");
+  Session session;
+  load_scene(
+      folder.write("s.toml", std::string(kMinimal) + kPress +
+                                 "[run]\nscript = \"press\"\nfor_s = 2.5\nreport = \"r.json\"\nplot = \"/p.png\"\n"),
+      session);
+  EXPECT_EQ(session.run.script, "press");
+  EXPECT_EQ(session.run.for_s, 2.5);
+  EXPECT_EQ(session.run.report, folder.path() / "r.json");
+  EXPECT_EQ(session.run.plot, "/p.png");
+  EXPECT_EQ(scripted_hand(session)->hand_csv, folder.path() / "press.csv");
+}
+
+TEST(RunTable, OfAMachineFileStandsAboveTheSceneFiles) {
+  TempFolder folder;
+  folder.write("press.csv", "");
+  folder.write("own.csv", "");
+  Session session;
+  load_scene(folder.write("s.toml", std::string(kMinimal) + kPress + "[run]\nscript = \"press\"\nfor_s = 3\n"),
+             session);
+  load_machine(folder.write("m.toml", "[run]\nhand = \"own.csv\"\nreport = \"out/r.json\"\n"), session);
+  EXPECT_TRUE(session.run.script.empty());
+  EXPECT_EQ(session.run.hand_csv, folder.path() / "own.csv");
+  EXPECT_EQ(session.run.for_s, 3);
+  EXPECT_EQ(session.run.report, folder.path() / "out" / "r.json");
+}
+
+TEST(RunTable, EveryMistakeIsOneErrorNamingFileKeyFoundAndExpected) {
+  const std::string m = kMinimal;
+  EXPECT_EQ(load_error(m + "[run]\nscript = \"fly\"\n"),
+            "scene.toml: run.script: found \"fly\", expected none: scene scene has no scripts");
+  EXPECT_EQ(load_error(m + "[run]\nscript = 3\n"),
+            "scene.toml: run.script: found 3 at line 6, expected the name of a script of the scene, or \"\" for none");
+  EXPECT_EQ(load_error(m + "[run]\nhand = \"no.csv\"\n"),
+            "scene.toml: run.hand: found no file \"no.csv\", expected an existing file");
+  EXPECT_EQ(load_error(m + "[run]\nscript = \"a\"\nhand = \"b.csv\"\n"),
+            "scene.toml: run.hand: found run.script stated as well, expected one of them: both move the hand");
+  EXPECT_EQ(load_error(m + "[run]\nfor_s = \"soon\"\n"),
+            "scene.toml: run.for_s: found \"soon\" at line 6, "
+            "expected a time from 0 to 1e+06 s such as 500ms, 20s, 2min or 1h (0: no end of its own)");
+  EXPECT_EQ(load_error(m + "[run]\nreport = true\n"),
+            "scene.toml: run.report: found true at line 6, expected a path to a JSON file");
+  EXPECT_EQ(load_error(m + "[run]\nraport = \"a\"\n"),
+            "scene.toml: run.raport: found this unknown key at line 6, expected a known key; did you mean run.report?");
+}
+
+TEST(RunTable, AMachineFilesScriptMustBeOneOfTheScenes) {
+  TempFolder folder;
+  folder.write("press.csv", "");
+  Session session;
+  load_scene(folder.write("s.toml", std::string(kMinimal) + kPress), session);
+  const auto machine = folder.write("m.toml", "[run]\nscript = \"fly\"\n");
+  EXPECT_EQ(setup_error([&] { load_machine(machine, session); }),
+            machine.string() + ": run.script: found \"fly\", expected one of press");
 }
 
 }  // namespace

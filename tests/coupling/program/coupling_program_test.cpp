@@ -31,8 +31,9 @@ class CouplingProgram : public ::testing::TestWithParam<std::tuple<const char*, 
     session_.scene.name = session_.scene.title = "half-space";
     session_.scene.obstacle.shape = session_.scene.tool.shape = "box";
     session_.scene.start_X_WM.p = {0, 0, 0.02};
-    session_.hand_csv = dir_.path() / "press.csv";
-    std::ofstream(session_.hand_csv) << "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0.02,1,0,0,0\n0.5,0,0,-0.05,1,0,0,0\n";
+    session_.run.hand_csv = dir_.path() / "press.csv";
+    std::ofstream(session_.run.hand_csv)
+        << "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0.02,1,0,0,0\n0.5,0,0,-0.05,1,0,0,0\n";
     save_session(session_, file_);
   }
   test::Process start(const char* program) {

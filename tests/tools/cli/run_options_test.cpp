@@ -64,28 +64,39 @@ TEST_F(RunOptionsTest, SettingsStandAboveFilesAndTheLastOneHolds) {
 
 TEST_F(RunOptionsTest, AScriptBringsItsHandAndItsLastPoseIsTheGoal) {
   RunOptions o = options();
-  o.script = "lift";
+  o.settings = {{"--script", "run.script", "lift"}};
   const Session session = resolve(o);
-  EXPECT_EQ(session.hand_csv, folder_ / "hand.csv");
-  EXPECT_EQ(session.hand_force_max_n, 7);
+  EXPECT_EQ(scripted_hand(session)->hand_csv, folder_ / "hand.csv");
+  EXPECT_EQ(scripted_hand(session)->hand_force_max_n, 7);
   ASSERT_TRUE(session.scene.goal_X_WM);
   EXPECT_EQ(session.scene.goal_X_WM->p.z(), 0.2);
 }
 
 TEST_F(RunOptionsTest, AHandFileSaysWhereTheToolStartsAndWhereItShouldArrive) {
   RunOptions o = options();
-  o.hand = folder_ / "hand.csv";
+  o.settings = {{"--hand", "run.hand", folder_ / "hand.csv"}};
   const Session session = resolve(o);
   EXPECT_EQ(session.scene.start_X_WM.p.z(), 0.1);
   EXPECT_EQ(session.scene.goal_X_WM->p.z(), 0.2);
-  o.script = "lift";
-  expect_words(error_of(o), {"--hand", "--script"});
+}
+
+TEST_F(RunOptionsTest, TheCommandLineStandsAboveTheRunTablesOfMachineAndScene) {
+  RunOptions o = options();
+  std::ofstream(o.scene, std::ios::app) << "[run]\nscript = \"lift\"\nfor_s = 3\nreport = \"scene.json\"\n";
+  o.machine_file = write("machine.toml", "[run]\nreport = \"machine.json\"\nplot = \"machine.png\"\n");
+  o.settings = {{"--for", "run.for_s", "2min"}, {"--plot", "run.plot", "here.png"}};
+  const Session session = resolve(o);
+  EXPECT_EQ(session.run.script, "lift");
+  EXPECT_EQ(session.run.for_s, 120);
+  EXPECT_EQ(session.run.report, folder_ / "machine.json");
+  EXPECT_EQ(session.run.plot, fs::current_path() / "here.png");
+  EXPECT_EQ(session.scene.goal_X_WM->p.z(), 0.2);
 }
 
 TEST_F(RunOptionsTest, AnUnknownScriptIsAnsweredWithTheKnownOnes) {
   RunOptions o = options();
-  o.script = "fly";
-  expect_words(error_of(o), {"--script", "fly", "lift"});
+  o.settings = {{"--script", "run.script", "fly"}};
+  expect_words(error_of(o), {"run.script", "fly", "lift"});
 }
 
 TEST_F(RunOptionsTest, OwnMeshesNeedNoSceneButAUnit) {
@@ -140,8 +151,9 @@ TEST_F(RunOptionsTest, SessionNamesDifferUnlessGivenAndAreChecked) {
 
 TEST_F(RunOptionsTest, TheResolvedSessionSurvivesItsFile) {
   RunOptions o = options();
-  o.script = "lift";
-  o.settings = {{"--stiffness", "contact.stiffness_n_per_m", "1234.5"}};
+  o.settings = {{"--script", "run.script", "lift"},
+                {"--for", "run.for_s", "250ms"},
+                {"--stiffness", "contact.stiffness_n_per_m", "1234.5"}};
   Session session = resolve(o);
   session.run_dir = folder_;
   save_session(session, folder_ / "session.toml");
@@ -150,18 +162,8 @@ TEST_F(RunOptionsTest, TheResolvedSessionSurvivesItsFile) {
   EXPECT_EQ(read.id, session.id);
   EXPECT_EQ(read.scene.contact.stiffness_n_per_m, 1234.5);
   EXPECT_EQ(read.machine.token, session.machine.token);
-  EXPECT_EQ(read.hand_csv, session.hand_csv);
-}
-
-TEST(Durations, AreANumberAndAUnit) {
-  EXPECT_DOUBLE_EQ(parse_duration_s("--for", "20s"), 20);
-  EXPECT_DOUBLE_EQ(parse_duration_s("--for", "1.5"), 1.5);
-  EXPECT_DOUBLE_EQ(parse_duration_s("--for", "250ms"), 0.25);
-  EXPECT_DOUBLE_EQ(parse_duration_s("--for", "2min"), 120);
-  EXPECT_DOUBLE_EQ(parse_duration_s("--for", "1h"), 3600);
-  for (const char* wrong : {"", "s", "-1s", "0", "nan", "inf", "20 seconds", "1e99"}) {
-    EXPECT_THROW(parse_duration_s("--for", wrong), SetupError) << wrong;
-  }
+  EXPECT_EQ(read.run.script, "lift");
+  EXPECT_EQ(read.run.for_s, 0.25);
 }
 
 TEST(SetOption, IsKeyEqualsValue) {
