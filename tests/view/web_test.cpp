@@ -319,6 +319,19 @@ TEST_F(WebServerTest, AClientThatTakesNoEventsIsDroppedAndTheOthersStay) {
   EXPECT_EQ(left, std::vector<ClientId>{joined[0].first});
 }
 
+TEST_F(WebServerTest, AClientThatTakesNothingForTooLongIsDropped) {
+  options.max_silence = std::chrono::milliseconds(500);
+  start();
+  auto asleep = open();
+  ASSERT_TRUE(until([&] { return joined.size() == 1; }));
+  for (bool dropped = false; !dropped;) {
+    server->send_newest(Slot::picture, std::string(100000, ' '));
+    std::unique_lock lock(mutex);
+    dropped = changed.wait_for(lock, std::chrono::milliseconds(20), [&] { return !left.empty(); });
+  }
+  EXPECT_EQ(left, std::vector<ClientId>{joined[0].first});
+}
+
 TEST_F(WebServerTest, AFloodOfMessagesIsReadSlowlyAndHurtsNobody) {
   options.messages_per_s = 1000;
   start();

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "view/web/progress.hpp"
+
 namespace tact::view {
 
 namespace beast = boost::beast;
@@ -13,8 +15,7 @@ namespace websocket = beast::websocket;
 
 namespace {
 
-// A client is pinged when silent for half of this and dropped when silent for all of it: a cut link is noticed.
-constexpr auto kSilence = std::chrono::seconds(12);
+constexpr int kLooks = 4;  // in max_silence
 
 }  // namespace
 
@@ -24,13 +25,13 @@ WebClient::WebClient(WebLoop& loop, beast::tcp_stream stream, std::shared_ptr<Se
       socket_(std::move(stream)),
       seat_(std::move(seat)),
       breath_(loop.io),
+      pulse_(loop.io),
       allowance_(loop.options.messages_per_s),
       outbox_(loop.options.max_events) {}
 
 void WebClient::accept(HttpRequest request) {
   beast::get_lowest_layer(socket_).expires_never();  // the WebSocket's own time limits take over
-  websocket::stream_base::timeout timeout{std::chrono::seconds(10), kSilence, true};
-  socket_.set_option(timeout);
+  socket_.set_option(websocket::stream_base::timeout{std::chrono::seconds(10), websocket::stream_base::none(), false});
   socket_.read_message_max(loop_.options.max_message_bytes);
   socket_.auto_fragment(false);
   socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
@@ -39,6 +40,24 @@ void WebClient::accept(HttpRequest request) {
     self->loop_.join(self);
     self->joined_ = true;
     self->read();
+    self->watch();
+  });
+}
+
+// A client that takes nothing for a while is stopped, or its link is cut. Pings would not tell: on a slow link their
+// answer waits behind pictures, and a client that takes a little at a time is not gone.
+void WebClient::watch() {
+  pulse_.expires_after(loop_.options.max_silence / kLooks);
+  pulse_.async_wait([self = shared_from_this()](beast::error_code error) {
+    if (error) return;
+    auto& socket = beast::get_lowest_layer(self->socket_).socket();
+    const Progress now = progress_of(socket.native_handle());
+    const bool took = now.nothing_waits || now.taken_bytes != self->taken_bytes_;
+    self->taken_bytes_ = now.taken_bytes;
+    self->still_ = took ? 0 : self->still_ + 1;
+    if (!self->closing_ && self->still_ < kLooks) return self->watch();
+    self->leave();
+    socket.close(error);
   });
 }
 
@@ -98,13 +117,14 @@ void WebClient::write() {
 void WebClient::close(websocket::close_code code, const char* reason) {
   if (closing_) return;
   leave();
-  // A client that does not even take the goodbye is cut off by the time limit.
+  watch();  // a client that does not even take the goodbye is cut off
   socket_.async_close({code, reason}, [self = shared_from_this()](beast::error_code) {});
 }
 
 void WebClient::leave() {
   closing_ = true;
   breath_.cancel();
+  pulse_.cancel();
   if (joined_) loop_.leave(id);
   joined_ = false;
 }

@@ -25,15 +25,18 @@ class WebClient : public std::enable_shared_from_this<WebClient> {
   void read();
   void heard(std::size_t bytes);
   void write();
+  void watch();
   void leave();
 
   WebLoop& loop_;
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
   std::shared_ptr<Seat> seat_;
   boost::beast::flat_buffer incoming_;
-  boost::asio::steady_timer breath_;
+  boost::asio::steady_timer breath_, pulse_;
   double allowance_;
   std::chrono::steady_clock::time_point last_read_{};
+  std::uint64_t taken_bytes_ = 0;
+  int still_ = 0;  ///< looks since it last took something
   Outbox outbox_;
   Payload in_flight_;
   bool joined_ = false, closing_ = false;

@@ -1,4 +1,5 @@
 #pragma once
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -21,7 +22,8 @@ struct WebOptions {
   std::size_t max_clients = 24;      ///< WebSockets
   std::size_t max_events = 256;      ///< waiting for one client, which is dropped beyond
   std::size_t max_message_bytes = 4096;
-  double messages_per_s = 200;  ///< of one client; beyond, its next message is simply read later
+  std::chrono::milliseconds max_silence{12000};  ///< a client that takes nothing for so long is gone
+  double messages_per_s = 200;                   ///< of one client; beyond, its next message is simply read later
 };
 
 /// Who came, who went, what they said: called on the server's thread, must not wait. `may_control`: the client showed
