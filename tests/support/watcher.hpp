@@ -8,10 +8,11 @@
 
 namespace tact::test {
 
-/// A watcher of few words.
-class Watcher {
+/// A watcher of few words, over a socket that is a tcp::socket or behaves like one.
+template <class Socket>
+class BasicWatcher {
  public:
-  Watcher(const std::string& host, unsigned short port, const std::string& token) : socket_(io_) {
+  BasicWatcher(const std::string& host, unsigned short port, const std::string& token) : socket_(io_) {
     socket_.next_layer().connect({boost::asio::ip::make_address(host), port});
     socket_.handshake(host + ":" + std::to_string(port), token.empty() ? "/ws" : "/ws?token=" + token);
   }
@@ -43,10 +44,14 @@ class Watcher {
     say(R"({"type":"take"})");
   }
   void say(const std::string& text) { socket_.write(boost::asio::buffer(text)); }
+  bool got_text() const { return socket_.got_text(); }
+  Socket& socket() { return socket_.next_layer(); }
 
  private:
   boost::asio::io_context io_;
-  boost::beast::websocket::stream<boost::asio::ip::tcp::socket> socket_;
+  boost::beast::websocket::stream<Socket> socket_;
 };
+
+using Watcher = BasicWatcher<boost::asio::ip::tcp::socket>;
 
 }  // namespace tact::test

@@ -3,60 +3,35 @@
 #include <signal.h>
 
 #include <algorithm>
-#include <fstream>
 
 #include "fault/fault.hpp"
 #include "support/flight_file.hpp"
-#include "support/observer.hpp"
 #include "support/other_network.hpp"
-#include "support/tact_run.hpp"
+#include "support/pressing.hpp"
 #include "support/watcher.hpp"
 
 namespace tact::test {
 namespace {
 using std::chrono::seconds;
 
-/// A session whose simulated hand presses the peg against the wall and stays.
-class Pressing {
- public:
-  explicit Pressing(std::vector<std::string> more = {}) : run(arguments(std::move(more))), observer(run.session()) {}
+bool is_stale(const FlightTick& tick) { return (tick.faults & bit(Fault::wrench_stale)) != 0; }
 
-  bool settled() {
-    return eventually([&] { return observer.active() && observer.in_steady_contact(); }, seconds{120});
-  }
-  pid_t pid(const std::string& service) {
-    const auto health = observer.health(service);
-    return health ? static_cast<pid_t>(health->pid) : -1;
-  }
-  /// The flight record in which the wrench went stale; the session may have written others before.
-  std::vector<FlightTick> flight_of_stale_wrench() {
-    std::vector<FlightTick> found;
-    EXPECT_TRUE(eventually(
-        [&] {
-          for (const auto& entry : std::filesystem::directory_iterator(run.run_dir())) {
-            if (entry.path().extension() != ".csv") continue;
-            auto ticks = read_flight(entry.path());
-            if (std::any_of(ticks.begin(), ticks.end(), is_stale)) found = std::move(ticks);
-          }
-          return !found.empty();
-        },
-        seconds{20}))
-        << run.output();
-    return found;
-  }
-  static bool is_stale(const FlightTick& tick) { return (tick.faults & bit(Fault::wrench_stale)) != 0; }
-
-  TactRun run;
-  Observer observer;
-
- private:
-  static std::vector<std::string> arguments(std::vector<std::string> more) {
-    std::vector<std::string> words{"peg", "--script", "press", "--for", "300s"};
-    if (std::find(more.begin(), more.end(), "--view") == more.end()) more.insert(more.end(), {"--view", "off"});
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-  }
-};
+/// The flight record in which the wrench went stale; the session may have written others before.
+std::vector<FlightTick> flight_of_stale_wrench(const TactRun& run) {
+  std::vector<FlightTick> found;
+  EXPECT_TRUE(eventually(
+      [&] {
+        for (const auto& entry : std::filesystem::directory_iterator(run.run_dir())) {
+          if (entry.path().extension() != ".csv") continue;
+          auto ticks = read_flight(entry.path());
+          if (std::any_of(ticks.begin(), ticks.end(), is_stale)) found = std::move(ticks);
+        }
+        return !found.empty();
+      },
+      seconds{20}))
+      << run.output();
+  return found;
+}
 
 bool names(const nlohmann::json& report, const std::string& fault) {
   return std::any_of(report["faults"].begin(), report["faults"].end(),
@@ -66,7 +41,7 @@ bool names(const nlohmann::json& report, const std::string& fault) {
 /// From the last fresh wrench on: within 20 executed ticks the fault is set, from then on the wrench never grows, and
 /// no step of what is sent exceeds the gate.
 void expect_calm_after_last_fresh(const std::vector<FlightTick>& ticks, double force_step_n) {
-  const auto stale = std::find_if(ticks.begin(), ticks.end(), Pressing::is_stale);
+  const auto stale = std::find_if(ticks.begin(), ticks.end(), is_stale);
   ASSERT_NE(stale, ticks.end());
   EXPECT_LE(stale->wrench_age_ticks, 20u);
   EXPECT_GT(std::prev(stale)->contact_count, 0u) << "it was in mid-contact";
@@ -93,7 +68,7 @@ TEST_P(ContactServerKilled, CalmsTheArmWithinTwentyTicksAndComesBackByItself) {
   ASSERT_GT(victim, 0);
   kill(victim, SIGKILL);
   // The machine file's gate: 5000 N/s at 1 kHz.
-  expect_calm_after_last_fresh(session.flight_of_stale_wrench(), 5.0 + 1e-6);
+  expect_calm_after_last_fresh(flight_of_stale_wrench(session.run), 5.0 + 1e-6);
   EXPECT_TRUE(eventually([&] { return session.pid("contact") != victim && session.pid("contact") > 0; }, seconds{30}))
       << session.run.output();
   EXPECT_TRUE(
@@ -196,11 +171,8 @@ TEST(RemoteWatcherCutOff, LeavesTheHandUndisturbed) {
   if (!network.ready()) GTEST_SKIP() << "needs root and iproute2 to make a network namespace";
   Pressing session({"--view", "on", "--port", "0", "--set", "view.bind=0.0.0.0", "--set", "view.token=secret-token"});
   ASSERT_TRUE(session.settled()) << session.run.output();
-  const auto url_file = session.run.run_dir() / "view_url";
-  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(url_file); })) << session.run.output();
-  std::string url;
-  std::ifstream(url_file) >> url;
-  const auto port = static_cast<unsigned short>(std::stoi(url.substr(url.rfind(':') + 1)));
+  const auto port = session.view_port();
+  ASSERT_GT(port, 0) << session.run.output();
   auto remote = network.inside([&] { return std::make_unique<Watcher>("10.213.77.1", port, "secret-token"); }).get();
   remote->frame('p');
   const auto stale = session.observer.stats().wrench_stale;
