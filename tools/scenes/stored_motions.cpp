@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/machine_motions.hpp"
 #include "shapes/alpha.hpp"
 
 namespace tact::scenes {
@@ -76,13 +77,19 @@ AlphaMotions alpha_motions() {
 
 std::map<std::string, HandMotion> stored_motions() {
   AlphaMotions alpha = alpha_motions();
+  MachineMotions engine = engine_motions(), gear = landing_gear_motions();
   return {{"alpha-solve.csv", std::move(alpha.solve)},
           {"alpha-lean.csv", std::move(alpha.lean)},
           {"alpha-cheat.csv", std::move(alpha.cheat)},
           {"cone-insert.csv", straight({{-0.06, 0, 0.001}, {-0.06, 0, 0}, {0.04, 0, 0}}, {1, 4})},
           {"two-walls-press.csv", straight({{0, 0, 0.012}, {0, 0, -0.002}}, {2})},
           {"peg-press.csv", straight({{0, 0, 0.002}, {0.0105, 0, 0.002}}, {2})},
-          {"peg-round-press.csv", straight({{0, 0, 0.002}, {0.008, 0, -0.006}}, {2})}};
+          {"peg-round-press.csv", straight({{0, 0, 0.002}, {0.008, 0, -0.006}}, {2})},
+          {"wedge-press.csv", straight({{0, 0, 0.002}, {0, 0, -0.006}}, {2})},
+          {"engine-insert.csv", std::move(engine.insert)},
+          {"engine-cheat.csv", std::move(engine.cheat)},
+          {"landing-gear-insert.csv", std::move(gear.insert)},
+          {"landing-gear-cheat.csv", std::move(gear.cheat)}};
 }
 
 }  // namespace tact::scenes

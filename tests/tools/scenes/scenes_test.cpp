@@ -30,7 +30,8 @@ TEST(Scenes, AllThatComeWithTheProgramLoadAndTheirShapesAndMotionsExist) {
       }
     }
   }
-  EXPECT_EQ(names, (std::set<std::string>{"alpha", "cone", "peg", "peg-round", "two-walls"}));
+  EXPECT_EQ(names, (std::set<std::string>{"alpha", "cone", "engine", "landing-gear", "peg", "peg-round", "two-walls",
+                                          "wedge"}));
 }
 
 TEST(Scenes, KeepTheDimensionsTheyPromise) {
@@ -51,6 +52,12 @@ TEST(Scenes, KeepTheDimensionsTheyPromise) {
   EXPECT_NEAR(walls.points * (a + b) / (2 * (x * y + y * z + z * x)), 1014, 1e-6);  // blue noise: points go with area
   EXPECT_GT(x / 2, w.at("span_m") / 2 + w.at("thickness_a_m") / 2);
   EXPECT_GT(y, w.at("length_a_m"));
+
+  const SceneSpec wedge = scene("wedge");
+  const auto &groove = wedge.obstacle.shape_params, &nose = wedge.tool.shape_params;
+  EXPECT_EQ(groove.at("half_angle_deg"), nose.at("half_angle_deg"));  // both sides lie flat on the walls
+  EXPECT_LT(nose.at("nose_m"), groove.at("depth_m"));
+  EXPECT_LT(nose.at("length_m"), groove.at("length_m"));
 
   for (const char* name : {"peg", "peg-round"}) {
     const SceneSpec peg = scene(name);
@@ -77,7 +84,7 @@ TEST(Scenes, ScriptsStartAndEndAtRestAndStayWithinAHandsSpeed) {
   for (const auto& [name, motion] : scenes::stored_motions()) {
     for (std::size_t i = 1; i < motion.time_s.size(); ++i) {
       const double dt = motion.time_s[i] - motion.time_s[i - 1];
-      EXPECT_LT((motion.X_WM[i].p - motion.X_WM[i - 1].p).norm() / dt, 0.065) << name;
+      EXPECT_LT((motion.X_WM[i].p - motion.X_WM[i - 1].p).norm() / dt, 0.14) << name;
       EXPECT_LT(motion.X_WM[i].q.angularDistance(motion.X_WM[i - 1].q) / dt, 1.0) << name;
     }
     EXPECT_LT(apart(motion.X_WM[0], motion.X_WM[1]), 1e-9) << name;
