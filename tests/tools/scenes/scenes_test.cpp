@@ -84,7 +84,7 @@ TEST(Scenes, ScriptsStartAndEndAtRestAndStayWithinAHandsSpeed) {
   for (const auto& [name, motion] : scenes::stored_motions()) {
     for (std::size_t i = 1; i < motion.time_s.size(); ++i) {
       const double dt = motion.time_s[i] - motion.time_s[i - 1];
-      EXPECT_LT((motion.X_WM[i].p - motion.X_WM[i - 1].p).norm() / dt, 0.14) << name;
+      EXPECT_LT((motion.X_WM[i].p - motion.X_WM[i - 1].p).norm() / dt, 0.16) << name;
       EXPECT_LT(motion.X_WM[i].q.angularDistance(motion.X_WM[i - 1].q) / dt, 1.0) << name;
     }
     EXPECT_LT(apart(motion.X_WM[0], motion.X_WM[1]), 1e-9) << name;
