@@ -136,7 +136,8 @@ void make_room(SceneSpec& scene, const std::string& key) {
 Keys scene_keys(SceneSpec& scene, const std::filesystem::path& base) {
   Keys keys{text("name", scene.name, kNameRule, is_name), line("title", scene.title)};
   append(keys, prefixed("obstacle.", body_keys(scene.obstacle, base)));
-  append(keys, {integer("obstacle.field_cells", scene.field_resolution, 16, 4096)});
+  append(keys, {integer("obstacle.field_cells", scene.field_resolution, 16, 4096),
+                number("obstacle.field_error_mm", scene.field_error_mm, 0, 1000, "mm; 0: field_cells counts")});
   append(keys, pose_keys("obstacle.", scene.X_WO));
   append(keys, prefixed("tool.", body_keys(scene.tool, base)));
   append(keys, {integer("tool.points", scene.points, 100, 1000000), integer("tool.levels", scene.levels, 1, 16)});

@@ -85,14 +85,14 @@ class Child {
   pid_t pid_ = -1;
 };
 
-void read_line(const std::string& line, const BakeProgress& progress, ChildEnd& end) {
+void read_line(const std::string& line, const BakeProgress& progress, ChildEnd& end, BakeStep& last) {
   const auto json = nlohmann::json::parse(line, nullptr, false);
   if (!json.is_object()) return;  // a parser's chatter
   if (json.contains("error") && json["error"].is_string()) end.error = json["error"];
   if (!json.contains("part")) return;
-  const BakeStep step{json.value("part", ""), json.value("stage", ""), json.value("fraction", 0.0)};
-  end.last_part = step.part;
-  if (progress && !progress(step)) throw SetupError("bake: cancelled");
+  last = {json.value("part", ""), json.value("stage", ""), json.value("fraction", 0.0)};
+  end.last_part = last.part;
+  if (progress && !progress(last)) throw SetupError("bake: cancelled");
 }
 
 }  // namespace
@@ -104,13 +104,19 @@ ChildEnd run_bake_child(const std::vector<std::string>& command, const BakeProgr
   ChildEnd end;
   std::string text;
   char buffer[4096];
+  BakeStep last;
   for (;;) {
+    // A child that has nothing to say for a while must not keep the caller from cancelling.
+    pollfd ready{out.read, POLLIN, 0};
+    const int events = ::poll(&ready, 1, 50);
+    if (events == 0 && progress && !last.part.empty() && !progress(last)) throw SetupError("bake: cancelled");
+    if (events <= 0) continue;
     const ssize_t n = ::read(out.read, buffer, sizeof(buffer));
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) break;
     text.append(buffer, static_cast<std::size_t>(n));
     for (std::size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n')) {
-      read_line(text.substr(0, at), progress, end);
+      read_line(text.substr(0, at), progress, end, last);
       text.erase(0, at + 1);
     }
   }
@@ -118,6 +124,7 @@ ChildEnd run_bake_child(const std::vector<std::string>& command, const BakeProgr
   end.good = WIFEXITED(status) && WEXITSTATUS(status) == 0;
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
+    if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) throw SetupError("bake: cancelled");
     end.how = signal == SIGKILL ? "was killed (out of memory?)" : std::string("crashed (") + ::strsignal(signal) + ")";
   } else if (!end.good) {
     end.how = "left with code " + std::to_string(WEXITSTATUS(status));

@@ -24,7 +24,8 @@ struct ChildEnd {
 };
 
 /// Runs a program that prints one JSON object a line on stdout, {"part", "stage", "fraction"} or {"error"}; waits for
-/// its end. Throws SetupError when it cannot be started, and when `progress` cancels (the child is killed).
+/// its end. `progress` is asked at least every 50 ms once the child has spoken. Throws SetupError when it cannot be
+/// started, and when `progress` cancels (the child is killed).
 ChildEnd run_bake_child(const std::vector<std::string>& command, const BakeProgress& progress);
 
 }  // namespace tact::contact

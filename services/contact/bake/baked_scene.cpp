@@ -101,12 +101,33 @@ std::optional<BakedBody> look_up(const Part& part, nlohmann::json& report, std::
   return body;
 }
 
+/// Removes the files of one bake and what a killed child left half-written beside them: all but the lock, which the
+/// caller holds.
 void remove(const BakedFiles& files) {
-  for (const auto& path : {files.report, files.data, files.mesh}) {
-    std::error_code ignored;
-    std::filesystem::remove(path, ignored);
+  std::error_code ignored;
+  const std::string stem = files.lock.stem().string() + ".", lock = files.lock.filename().string();
+  for (std::filesystem::directory_iterator it(files.lock.parent_path(), ignored), end; !ignored && it != end;
+       it.increment(ignored)) {
+    const std::string name = it->path().filename().string();
+    std::error_code unlucky;
+    if (name.rfind(stem, 0) == 0 && name != lock) std::filesystem::remove(it->path(), unlucky);
   }
 }
+
+/// Leaves nothing of a bake that did not end well.
+class Cleaner {
+ public:
+  explicit Cleaner(const BakedFiles& files) : files_(&files) { remove(files); }
+  Cleaner(const Cleaner&) = delete;
+  Cleaner& operator=(const Cleaner&) = delete;
+  ~Cleaner() {
+    if (files_ != nullptr) remove(*files_);
+  }
+  void keep() { files_ = nullptr; }
+
+ private:
+  const BakedFiles* files_;
+};
 
 }  // namespace
 
@@ -138,7 +159,7 @@ BakedScene ensure_baked(const SceneSpec& scene, const std::filesystem::path& cac
       bodies[i] = *found;
       continue;
     }
-    remove(part.files);
+    Cleaner cleaner(part.files);
     const TemporaryFile session_file(cache);
     Session session;
     session.name = "bake";
@@ -157,6 +178,7 @@ BakedScene ensure_baked(const SceneSpec& scene, const std::filesystem::path& cac
     auto baked = look_up(part, reports[i], unsound);
     if (!baked)
       throw SetupError(part.files.data.string() + ": the bake ended well but its files do not read back: " + unsound);
+    cleaner.keep();
     bodies[i] = *baked;
     bodies[i].from_cache = false;
     if (!refused.empty()) bodies[i].warnings.push_back(refused + "; baked anew");

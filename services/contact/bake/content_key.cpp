@@ -12,7 +12,7 @@ namespace tact::contact {
 namespace {
 
 /// Raise it whenever a bake would give other files from the same input.
-constexpr int kMethod = 1;
+constexpr int kMethod = 2;
 
 std::string read_file(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -67,8 +67,14 @@ BakedFiles files(const std::filesystem::path& cache, const std::string& stem, co
 }  // namespace
 
 std::uint64_t obstacle_key(const SceneSpec& scene) {
-  const std::string options = "field " + std::to_string(kMethod) + ' ' + std::to_string(scene.field_resolution);
-  return body_key(scene.obstacle, hash_text(options));
+  std::ostringstream options;
+  options << "field " << kMethod << ' ' << std::hexfloat;
+  if (scene.field_error_mm > 0) {
+    options << "error " << scene.field_error_mm;
+  } else {
+    options << scene.field_resolution;
+  }
+  return body_key(scene.obstacle, hash_text(options.str()));
 }
 
 std::uint64_t tool_key(const SceneSpec& scene) {

@@ -42,12 +42,20 @@ void limit_memory() {
 #endif
 }
 
+volatile std::sig_atomic_t stop_asked = 0;
+
+/// Ctrl-C and a polite end: what is half-written is removed, then the signal does what it does.
+void stop_when_asked() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int number) { stop_asked = number; });
+}
+
 StageProgress reporter(const Options& options, const std::string& part) {
-  if (!options.progress) return {};
+  if (!options.progress) return [](const char*, double) { return stop_asked == 0; };
   // Twenty lines a second are plenty, but each new stage is worth one.
   return [part, last = std::chrono::steady_clock::time_point(), stage_before = std::string()](const char* stage,
                                                                                               double fraction) mutable {
     const auto now = std::chrono::steady_clock::now();
+    if (stop_asked != 0) return false;
     if (stage == stage_before && now - last < std::chrono::milliseconds(50)) return true;
     last = now;
     stage_before = stage;
@@ -113,11 +121,15 @@ int main(int argc, char** argv) {
   if (options.scene.empty() && options.session.empty()) return fail(options, "give --scene FILE or --session FILE");
   if (options.progress) ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody is left to use the result
   limit_memory();
+  stop_when_asked();
   std::string body = "bake";
   try {
     bake(options, body);
   } catch (const std::bad_alloc&) {
     return fail(options, body + ": not enough memory for this bake: lower the resolution or simplify the mesh");
+  } catch (const Cancelled&) {
+    std::signal(stop_asked, SIG_DFL);
+    return std::raise(stop_asked);
   } catch (const std::exception& error) {
     return fail(options, error.what());
   }

@@ -52,14 +52,39 @@ TEST(Triangle, WithoutAreaItIsItsEdges) {
 
 TEST(Triangle, ManyPointsAtOnceGiveTheSame) {
   const Triangle t(Vec3(0, 0, 0), Vec3(1, 0.2, 0), Vec3(0.3, 1, 0.5));
+  const Vec3 base(0.7, -0.4, 0.2);
   std::mt19937 random(2);
-  std::normal_distribution<double> normal;
-  std::vector<double> x(101), y(101), z(101), best(101, 1e9);
+  std::normal_distribution<float> normal;
+  std::vector<float> x(101), y(101), z(101), best(101, 1e9f);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = normal(random), y[i] = normal(random), z[i] = normal(random);
   best[7] = 0;
-  lower_square_distances(t, x.data(), y.data(), z.data(), x.size(), best.data());
+  lower_square_distances(SmallTriangle(t), base, x.data(), y.data(), z.data(), x.size(), best.data());
   EXPECT_EQ(best[7], 0);
-  for (std::size_t i = 8; i < x.size(); ++i) EXPECT_NEAR(best[i], t.square_distance(Vec3(x[i], y[i], z[i])), 1e-12);
+  for (std::size_t i = 8; i < x.size(); ++i) {
+    const double square = t.square_distance(base + Eigen::Vector3f(x[i], y[i], z[i]).cast<double>());
+    EXPECT_NEAR(static_cast<double>(best[i]), square, 1e-6 * (1 + square));
+  }
+}
+
+TEST(Triangle, BallsBoundTheDistances) {
+  std::mt19937 random(3);
+  std::normal_distribution<float> normal;
+  std::vector<float> x, y, z, radius, low(50);
+  for (int i = 0; i < 50; ++i) {
+    x.push_back(normal(random));
+    y.push_back(normal(random));
+    z.push_back(normal(random));
+    radius.push_back(0.1f);
+  }
+  const float p[3] = {0.1f, 0.2f, 0.3f};
+  const float least = bound_distances(x.data(), y.data(), z.data(), radius.data(), 50, p, low.data());
+  float wanted = 1e9f;
+  for (std::size_t i = 0; i < 50; ++i) {
+    const float d = (Eigen::Vector3f(x[i], y[i], z[i]) - Eigen::Vector3f(p[0], p[1], p[2])).norm();
+    EXPECT_NEAR(low[i], d - 0.1f, 1e-6f);
+    wanted = std::min(wanted, d);
+  }
+  EXPECT_NEAR(least, wanted, 1e-6f);
 }
 
 TEST(BlockDistances, EqualTheMinimumOverAllTriangles) {
@@ -77,7 +102,7 @@ TEST(BlockDistances, EqualTheMinimumOverAllTriangles) {
       for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         square = std::min(square, surface.triangle(t).square_distance(p));
       }
-      EXPECT_NEAR(values[static_cast<std::size_t>(i)], std::sqrt(square), 1e-8);
+      EXPECT_NEAR(values[static_cast<std::size_t>(i)], std::sqrt(square), 2e-8);  // 1e-7 of the size
     }
   }
 }

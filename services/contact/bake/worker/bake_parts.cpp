@@ -3,7 +3,10 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -47,16 +50,44 @@ json to_json(const SoupReport& r) {
           {"duplicates_same", r.duplicates_same},
           {"duplicates_opposite", r.duplicates_opposite},
           {"inner_walls", r.inner_walls},
+          {"seam_vertices", r.seam_vertices},
           {"boundary_edges", r.boundary_edges},
           {"non_manifold_edges", r.non_manifold_edges},
           {"flipped_edges", r.flipped_edges},
           {"components", r.components},
           {"open_components", r.open_components},
-          {"sheet_triangles", r.sheet_triangles}};
+          {"sheet_triangles", r.sheet_triangles},
+          {"closed_parts", r.closed_parts},
+          {"capped_holes", r.capped_holes},
+          {"turned_triangles", r.turned_triangles}};
+}
+
+json to_json(const SolidReport& r) {
+  return {{"solids", r.solids},
+          {"cavities", r.cavities},
+          {"inverted_parts", r.inverted_parts},
+          {"swallowed_parts", r.swallowed_parts},
+          {"guessed_cavities", r.guessed_cavities},
+          {"overlaps", r.overlaps},
+          {"self_crossing_parts", r.self_crossing_parts},
+          {"crossing_triangles", r.crossing_triangles},
+          {"buried_triangles", r.buried_triangles},
+          {"parity_triangles", r.parity_triangles}};
+}
+
+json to_json(const std::vector<DoubtfulPlace>& places) {
+  json list = json::array();
+  for (const DoubtfulPlace& p : places) {
+    list.push_back({{"low_m", {p.low_O.x(), p.low_O.y(), p.low_O.z()}},
+                    {"high_m", {p.high_O.x(), p.high_O.y(), p.high_O.z()}},
+                    {"blocks", p.blocks}});
+  }
+  return list;
 }
 
 json to_json(const FieldReport& r) {
-  return {{"voxel_m", r.voxel_m},
+  return {{"resolution", r.resolution},
+          {"voxel_m", r.voxel_m},
           {"cells", r.cells},
           {"blocks_stored", r.blocks_stored},
           {"bytes", r.bytes},
@@ -66,11 +97,15 @@ json to_json(const FieldReport& r) {
           {"close_votes", r.signs.close_votes},
           {"doubtful_blocks", r.signs.doubtful_blocks},
           {"jumping_blocks", r.jumping_blocks},
-          {"error_samples", r.error_samples},
-          {"error_largest_m", r.error_largest_m},
-          {"error_rms_m", r.error_rms_m},
-          {"sign_mismatches", r.sign_mismatches},
-          {"surface_without_inside", r.surface_without_inside}};
+          {"doubtful_places", to_json(r.quality.doubtful_places)},
+          {"error_samples", r.quality.error_samples},
+          {"error_largest_m", r.quality.error_largest_m},
+          {"error_rms_m", r.quality.error_rms_m},
+          {"sign_mismatches", r.quality.sign_mismatches},
+          {"thinnest_wall_mm", 1e3 * thinnest_wall_m(r.voxel_m)},
+          {"smallest_clearance_mm", 1e3 * thinnest_wall_m(r.voxel_m)},
+          {"surface_without_inside", r.quality.surface_without_inside},
+          {"surface_without_outside", r.quality.surface_without_outside}};
 }
 
 json to_json(const ShellReport& r) {
@@ -100,6 +135,37 @@ std::vector<std::string> soup_warnings(const BodySpec& body, const SoupReport& r
     w.push_back(name + n(r.open_components) + " of " + n(r.components) + " parts are open (" + n(r.boundary_edges) +
                 " boundary edges): inside and outside were voted on; if they are sheets, set sheet_thickness_m");
   }
+  if (r.seam_vertices > 0) {
+    w.push_back(name + n(r.seam_vertices) + " corners along open seams were joined to their neighbours");
+  }
+  if (r.capped_holes > 0) {
+    w.push_back(name + n(r.capped_holes) + " small holes were capped to tell inside from outside");
+  }
+  if (r.turned_triangles > 0) {
+    w.push_back(name + n(r.turned_triangles) + " triangles faced the other way than their part and were turned over");
+  }
+  return w;
+}
+
+std::vector<std::string> solid_warnings(const BodySpec& body, const SolidReport& r) {
+  const std::string name = body_name(body) + ": ";
+  std::vector<std::string> w;
+  const auto n = [](std::size_t count) { return std::to_string(count); };
+  if (r.inverted_parts > 0) w.push_back(name + n(r.inverted_parts) + " closed parts faced inward and were turned over");
+  if (r.overlaps > 0) {
+    w.push_back(name + n(r.overlaps) + " pairs of parts interpenetrate or touch: the body is their union");
+  }
+  if (r.self_crossing_parts > 0) {
+    w.push_back(name + n(r.self_crossing_parts) + " parts pass through themselves: inside is where they wind at all");
+  }
+  if (r.swallowed_parts > 0) {
+    w.push_back(name + n(r.swallowed_parts) +
+                " parts lie wholly inside another and face as it does: taken as solid; turn them over for cavities");
+  }
+  if (r.guessed_cavities > 0) {
+    w.push_back(name + n(r.guessed_cavities) +
+                " parts lie wholly inside another and the file's orientation cannot be trusted: taken as cavities");
+  }
   return w;
 }
 
@@ -127,6 +193,37 @@ void write_report(const BakedFiles& files, json report, const char* part, const 
   std::filesystem::rename(temporary, files.report);
 }
 
+constexpr int kFewestCells = 32, kMostCells = 4096;
+
+/// The field at the scene's number of cells, or at the number its error bound needs: errors are nearly proportional to
+/// the voxel, so a coarse bake tells the number and the bake itself proves it.
+FieldParts bake_to_order(const SceneSpec& scene, const Soup& soup, const StageProgress& progress, FieldReport& report) {
+  const double bound_m = 1e-3 * scene.field_error_mm;
+  const auto bake = [&](int cells) {
+    report = {};
+    return bake_field(soup, {cells, 4, scene.obstacle.sheet_thickness_m}, progress, report);
+  };
+  if (!(bound_m > 0)) return bake(scene.field_resolution);
+  Eigen::AlignedBox3f box;
+  for (const auto& v : soup.mesh.vertices) box.extend(v);
+  const double size = static_cast<double>(box.sizes().maxCoeff());
+  const auto clamped = [](double cells) {
+    return static_cast<int>(std::clamp(std::ceil(cells), double{kFewestCells}, double{kMostCells} + 1));
+  };
+  int cells = clamped(size / (4 * bound_m));  // few voxels are less than a quarter of their side wrong
+  for (;;) {
+    if (cells > kMostCells) {
+      throw SetupError(body_name(scene.obstacle) +
+                       ": an error below obstacle.field_error_mm = " + std::to_string(scene.field_error_mm) +
+                       " needs more than " + std::to_string(kMostCells) + " cells: allow more");
+    }
+    FieldParts parts = bake(cells);
+    const double error = report.quality.error_largest_m;
+    if (error <= bound_m) return parts;
+    cells = std::max(cells + 1, clamped(1.03 * cells * error / bound_m));
+  }
+}
+
 }  // namespace
 
 void bake_obstacle(const SceneSpec& scene, const BakedFiles& files, std::uint64_t key, const StageProgress& progress) {
@@ -135,11 +232,12 @@ void bake_obstacle(const SceneSpec& scene, const BakedFiles& files, std::uint64_
   if (progress && !progress("reading", 0)) throw Cancelled();
   const Soup soup = clean(body);
   FieldReport r;
-  const FieldParts parts = bake_field(soup, {scene.field_resolution, 4, body.sheet_thickness_m}, progress, r);
+  const FieldParts parts = bake_to_order(scene, soup, progress, r);
   save_mesh(soup.mesh, files.mesh);
   save_field(parts, files.data, key);
 
   std::vector<std::string> warnings = soup_warnings(body, soup.report);
+  for (std::string& w : solid_warnings(body, r.solids)) warnings.push_back(std::move(w));
   const std::string name = body_name(body) + ": ";
   if (r.signs.doubtful_blocks > 0) {
     warnings.push_back(name + "inside and outside are uncertain in " + std::to_string(r.signs.doubtful_blocks) +
@@ -148,16 +246,23 @@ void bake_obstacle(const SceneSpec& scene, const BakedFiles& files, std::uint64_
   if (r.jumping_blocks > 0) {
     warnings.push_back(name + "the sign changes without a surface in " + std::to_string(r.jumping_blocks) + " blocks");
   }
-  if (r.sign_mismatches > 0) {
-    warnings.push_back(name + "the sign differs from an independent vote at " + std::to_string(r.sign_mismatches) +
-                       " of " + std::to_string(r.error_samples) + " random samples");
+  if (r.quality.sign_mismatches > 0) {
+    warnings.push_back(name + "the sign differs from an independent vote at " +
+                       std::to_string(r.quality.sign_mismatches) + " of " + std::to_string(r.quality.error_samples) +
+                       " random samples");
   }
-  if (r.surface_without_inside > 0.005) {
-    warnings.push_back(name + percent(r.surface_without_inside) +
+  if (r.quality.surface_without_inside > 0.005) {
+    warnings.push_back(name + percent(r.quality.surface_without_inside) +
                        " of the surface has no inside that the grid can hold: walls thinner than " +
                        std::to_string(1e3 * r.voxel_m) + " mm, or sheets (set sheet_thickness_m)");
   }
-  write_report(files, {{"field", to_json(r)}}, "obstacle", scene, body, key, start, soup, warnings);
+  if (r.quality.surface_without_outside > 0.005) {
+    warnings.push_back(name + percent(r.quality.surface_without_outside) +
+                       " of the surface has no outside that the grid can hold: gaps narrower than " +
+                       std::to_string(1e3 * r.voxel_m) + " mm");
+  }
+  write_report(files, {{"field", to_json(r)}, {"solids", to_json(r.solids)}}, "obstacle", scene, body, key, start, soup,
+               warnings);
 }
 
 void bake_tool(const SceneSpec& scene, const BakedFiles& files, std::uint64_t key, const StageProgress& progress) {
@@ -177,6 +282,7 @@ void bake_tool(const SceneSpec& scene, const BakedFiles& files, std::uint64_t ke
   save_pointshell(shell, files.data);
 
   std::vector<std::string> warnings = soup_warnings(body, soup.report);
+  for (std::string& w : solid_warnings(body, r.solids)) warnings.push_back(std::move(w));
   const std::string name = body_name(body) + ": ";
   const auto share = [&](std::size_t n) { return static_cast<double>(n) / static_cast<double>(r.samples); };
   if (r.samples_without_inside > 0) {
@@ -188,7 +294,8 @@ void bake_tool(const SceneSpec& scene, const BakedFiles& files, std::uint64_t ke
     warnings.push_back(name + percent(share(r.buried_samples)) +
                        " of the surface lies inside the body and got no points");
   }
-  write_report(files, {{"shell", to_json(r)}}, "tool", scene, body, key, start, soup, warnings);
+  write_report(files, {{"shell", to_json(r)}, {"solids", to_json(r.solids)}}, "tool", scene, body, key, start, soup,
+               warnings);
 }
 
 }  // namespace tact::contact

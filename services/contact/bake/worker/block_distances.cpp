@@ -5,7 +5,8 @@
 
 namespace tact::contact {
 namespace {
-constexpr std::size_t kFewTriangles = 96;  ///< above, halving a cube is cheaper than looking at all of them
+constexpr std::size_t kFewTriangles = 1024;  ///< above, halving a cube is cheaper than looking at all of them
+constexpr float kLargeVoxels = 600;          ///< up to here single precision errs by less than half a step of the field
 double half_diagonal(int cells, double h) { return std::sqrt(3.0) / 2 * cells * h; }
 }  // namespace
 
@@ -42,8 +43,10 @@ void BlockDistances::search(const Cube& c) {
   const Vec3 p = centre(c) + surface_->middle();
   const double d = surface_->distance(p, limit_m_ + r);
   if (d >= limit_m_ + r) return;  // all corners are beyond the limit
-  if (surface_->near(p, d + 2 * r, kFewTriangles, near_[0])) {
-    refine(c, near_[0], 1);
+  if (surface_->near(p, d + 2 * r, kFewTriangles, near_)) {
+    candidates_[0].resize(near_.size());
+    for (std::size_t i = 0; i < near_.size(); ++i) candidates_[0].set(i, surface_->ball(near_[i]), near_[i]);
+    refine(c, 0);
   } else if (c.cells > 2) {
     for (int k = 0; k < 8; ++k) search(part(c, k));
   } else {
@@ -51,47 +54,90 @@ void BlockDistances::search(const Cube& c) {
   }
 }
 
-void BlockDistances::refine(const Cube& c, const std::vector<std::uint32_t>& candidates, int depth) {
-  const double r = half_diagonal(c.cells, grid_->voxel_m);
-  const Vec3 p = centre(c);
-  square_.resize(candidates.size());
-  double nearest = (limit_m_ + r) * (limit_m_ + r);
-  bool any = false;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    square_[i] = surface_->triangle(candidates[i]).square_distance(p);
-    if (square_[i] <= nearest) {
-      nearest = square_[i];
-      any = true;
-    }
-  }
-  if (!any) return;
-  const double reach = (std::sqrt(nearest) + 2 * r) * (1 + 1e-9);
-  std::vector<std::uint32_t>& kept = near_[depth];
-  kept.clear();
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (square_[i] <= reach * reach) kept.push_back(candidates[i]);
-  }
-  if (c.cells > 2 && kept.size() > 3) {
-    for (int k = 0; k < 8; ++k) refine(part(c, k), kept, depth + 1);
-    return;
-  }
+void BlockDistances::Candidates::resize(std::size_t n) {
+  for (std::vector<float>* v : {&x, &y, &z, &radius}) v->resize(n);
+  triangle.resize(n);
+}
 
-  const double h = grid_->voxel_m;
+void BlockDistances::Candidates::set(std::size_t i, const Surface::Ball& ball, std::uint32_t id) {
+  x[i] = ball.x;
+  y[i] = ball.y;
+  z[i] = ball.z;
+  radius[i] = ball.radius;
+  triangle[i] = id;
+}
+
+/// Lengths are in units of the surface's size.
+void BlockDistances::refine(const Cube& c, int depth) {
+  Candidates& from = candidates_[depth];
+  const double scale = 1 / surface_->size();
+  const Vec3 p = centre(c);
+  const auto r = static_cast<float>(scale * half_diagonal(c.cells, grid_->voxel_m));
+  const auto limit = static_cast<float>(scale * limit_m_) + r;
+  const float at[3] = {static_cast<float>(scale * p.x()), static_cast<float>(scale * p.y()),
+                       static_cast<float>(scale * p.z())};
+  constexpr float kHair = 1e-6f;  // rounding of coordinates up to 1
+  const std::size_t n = from.triangle.size();
+  from.low.resize(n);
+  float nearest = std::min(
+      limit,
+      bound_distances(from.x.data(), from.y.data(), from.z.data(), from.radius.data(), n, at, from.low.data()) + kHair);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (from.radius[i] < 0.5f * r || from.low[i] > nearest + 2 * r) continue;  // its ball is sharp enough
+    from.low[i] = static_cast<float>(scale * std::sqrt(surface_->triangle(from.triangle[i]).square_distance(p)));
+    nearest = std::min(nearest, from.low[i] + kHair);
+  }
+  const float reach = nearest + 2 * r + 4 * kHair;
+  Candidates& kept = candidates_[depth + 1];
+  kept.resize(n);
+  std::size_t count = 0;
+  float least = reach;
+  for (std::size_t i = 0; i < n; ++i) {  // without branches: which stay is hard to foretell
+    kept.set(count, {from.x[i], from.y[i], from.z[i], from.radius[i]}, from.triangle[i]);
+    count += from.low[i] <= reach ? 1 : 0;
+    least = std::min(least, from.low[i]);
+  }
+  kept.resize(count);
+  if (least > limit + kHair) return;  // all corners are beyond the limit
+  if (c.cells > 2 && kept.triangle.size() > 3) {
+    for (int k = 0; k < 8; ++k) refine(part(c, k), depth + 1);
+  } else {
+    all_against_all(c, kept.triangle);
+  }
+}
+
+void BlockDistances::all_against_all(const Cube& c, const std::vector<std::uint32_t>& triangles) {
+  const double scale = 1 / surface_->size(), h = grid_->voxel_m;
+  const auto step = static_cast<float>(scale * h);
   x_.clear();
   y_.clear();
   z_.clear();
   for_each_corner(c, [&](int x, int y, int z) {
-    x_.push_back(origin_.x() + h * x);
-    y_.push_back(origin_.y() + h * y);
-    z_.push_back(origin_.z() + h * z);
+    x_.push_back(step * static_cast<float>(x - c.x));
+    y_.push_back(step * static_cast<float>(y - c.y));
+    z_.push_back(step * static_cast<float>(z - c.z));
   });
-  best_.assign(x_.size(), limit_m_ * limit_m_);
-  for (const std::uint32_t t : kept) {
-    lower_square_distances(surface_->triangle(t), x_.data(), y_.data(), z_.data(), x_.size(), best_.data());
+  const std::size_t whole = (x_.size() + 7) / 8 * 8;  // whole vectors
+  for (std::vector<float>* v : {&x_, &y_, &z_}) v->resize(whole, 0);
+  const auto limit = static_cast<float>(scale * limit_m_);
+  best_.assign(whole, limit * limit);
+  const Vec3 base = scale * (origin_ + h * Vec3(c.x, c.y, c.z));
+  for (const std::uint32_t t : triangles) {
+    if (surface_->ball(t).radius > kLargeVoxels * step) {  // single precision would show
+      for (std::size_t k = 0; k < whole; ++k) {
+        const Vec3 p = surface_->size() * (base + Eigen::Vector3f(x_[k], y_[k], z_[k]).cast<double>());
+        const double square = scale * scale * surface_->triangle(t).square_distance(p);
+        best_[k] = std::min(best_[k], static_cast<float>(square));
+      }
+      continue;
+    }
+    lower_square_distances(surface_->small(t), base, x_.data(), y_.data(), z_.data(), whole, best_.data());
   }
+  const auto size = static_cast<float>(surface_->size());
   std::size_t i = 0;
   for_each_corner(c, [&](int x, int y, int z) {
-    out_[static_cast<std::size_t>(FieldBlock::index(x, y, z))] = static_cast<float>(std::sqrt(best_[i++]));
+    const float d = size * std::sqrt(best_[i++]);
+    out_[static_cast<std::size_t>(FieldBlock::index(x, y, z))] = std::min(d, static_cast<float>(limit_m_));
   });
 }
 

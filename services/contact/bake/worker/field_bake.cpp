@@ -2,10 +2,8 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "contact/bake/worker/block_distances.hpp"
 #include "contact/bake/worker/parallel.hpp"
@@ -104,100 +102,12 @@ void add_sheets(FieldParts& parts, const SplitSoup& split, const StageProgress& 
   });
 }
 
-void measure_error(const FieldParts& parts, const DistanceField& field, const SplitSoup& split,
-                   const StageProgress& progress, FieldReport& report) {
-  std::vector<std::array<int, 3>> blocks;
-  for (int z = 0; z < parts.grid.blocks[2]; ++z) {
-    for (int y = 0; y < parts.grid.blocks[1]; ++y) {
-      for (int x = 0; x < parts.grid.blocks[0]; ++x) {
-        const CoarseEntry& entry = parts.coarse[parts.grid.block_index(x, y, z)];
-        if (entry.stored() && !entry.doubtful()) blocks.push_back({x, y, z});
-      }
-    }
-  }
-  if (blocks.empty()) return;
-  constexpr std::size_t kSamples = 20000;
-  std::vector<float> errors(kSamples, std::numeric_limits<float>::quiet_NaN());
-  std::atomic<std::size_t> mismatches = 0;
-  parallel_stage("error", kSamples, progress, [&](std::size_t i) {
-    std::mt19937 random(static_cast<unsigned>(i));
-    std::uniform_real_distribution<double> cell(0, kBlockCells);
-    const auto& b = blocks[std::uniform_int_distribution<std::size_t>(0, blocks.size() - 1)(random)];
-    const Vec3 p = parts.grid.corner_O(kBlockCells * b[0], kBlockCells * b[1], kBlockCells * b[2]) +
-                   parts.grid.voxel_m * Vec3(cell(random), cell(random), cell(random));
-    const auto sample = field.sample(p);
-    if (!sample.in_band) return;
-    const double exact = split.signed_distance(p);
-    if (std::fabs(exact) > 0.1 * parts.grid.voxel_m && (exact < 0) != (sample.value_m < 0) &&
-        std::fabs(exact - sample.value_m) > parts.grid.voxel_m) {
-      ++mismatches;
-      return;
-    }
-    errors[i] = static_cast<float>(std::fabs(exact - sample.value_m));
-  });
-  double squares = 0;
-  for (const float e : errors) {
-    if (std::isnan(e)) continue;
-    ++report.error_samples;
-    report.error_largest_m = std::max(report.error_largest_m, static_cast<double>(e));
-    squares += static_cast<double>(e) * static_cast<double>(e);
-  }
-  if (report.error_samples > 0) report.error_rms_m = std::sqrt(squares / static_cast<double>(report.error_samples));
-  report.sign_mismatches = mismatches;
-}
-
-/// Random points of the surface that have no inside near them.
-double fraction_without_inside(const Mesh& mesh, const DistanceField& field) {
-  std::vector<double> area;
-  for (const auto& t : mesh.triangles) {
-    const Eigen::Vector3f a = mesh.vertices[t[0]];
-    area.push_back(static_cast<double>((mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm()));
-  }
-  std::discrete_distribution<std::size_t> pick(area.begin(), area.end());
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> unit(0, 1);
-  constexpr int kSamples = 5000;
-  int lost = 0;
-  for (int i = 0; i < kSamples; ++i) {
-    const auto& t = mesh.triangles[pick(random)];
-    const Vec3 a = mesh.vertices[t[0]].cast<double>(), ab = mesh.vertices[t[1]].cast<double>() - a,
-               ac = mesh.vertices[t[2]].cast<double>() - a;
-    double u = unit(random), v = unit(random);
-    if (u + v > 1) {
-      u = 1 - u;
-      v = 1 - v;
-    }
-    const Vec3 p = a + u * ab + v * ac, n = ab.cross(ac).normalized();
-    bool found = false;
-    for (const double s : {-1.5, -1.0, -0.6, -0.3, 0.3, 0.6, 1.0, 1.5}) {
-      found = found || field.sample(p + s * field.voxel_m() * n).value_m < -0.01 * field.voxel_m();
-    }
-    lost += found ? 0 : 1;
-  }
-  return static_cast<double>(lost) / kSamples;
-}
-
 }  // namespace
-
-double SplitSoup::signed_distance(const Vec3& p) const {
-  const double solid_m = solid.distance(p, kInfinity);
-  const double signed_solid = solid.vote(p).inside ? -solid_m : solid_m;
-  return std::min(signed_solid, sheets.distance(p, kInfinity) - half_thickness_m);
-}
-
-SplitSoup split_soup(const Soup& soup, double sheet_thickness_m) {
-  if (!(sheet_thickness_m > 0)) return {Surface(soup.mesh), Surface(Mesh{}), 0};
-  Mesh solid{soup.mesh.vertices, {}}, sheets{soup.mesh.vertices, {}};
-  for (std::size_t t = 0; t < soup.mesh.triangles.size(); ++t) {
-    (soup.open[t] ? sheets : solid).triangles.push_back(soup.mesh.triangles[t]);
-  }
-  const double half = sheets.triangles.empty() ? 0 : 0.5 * sheet_thickness_m;
-  return {Surface(solid), Surface(sheets), half};
-}
 
 FieldParts bake_field(const Soup& soup, const FieldOptions& options, const StageProgress& progress,
                       FieldReport& report) {
-  const SplitSoup split = split_soup(soup, options.sheet_thickness_m);
+  const SplitSoup split = split_soup(soup, options.sheet_thickness_m, progress);
+  report.solids = split.report;
   const Box box = box_of(soup.mesh);
   const Vec3 margin = Vec3::Constant(split.half_thickness_m);
   FieldParts parts;
@@ -207,18 +117,17 @@ FieldParts bake_field(const Soup& soup, const FieldOptions& options, const Stage
 
   coarse_distances(parts, split, progress);
   solid_distances(parts, split, progress);
-  report.signs = settle_signs(parts, split.solid, progress);
+  report.signs = settle_signs(parts, split.inside, progress);
   if (!split.sheets.empty()) add_sheets(parts, split, progress);
   const FieldTally tally = finish(parts);
 
+  report.resolution = options.resolution;
   report.voxel_m = parts.grid.voxel_m;
   for (std::size_t i = 0; i < 3; ++i) report.cells[i] = kBlockCells * parts.grid.blocks[i];
   report.blocks_stored = tally.stored;
   report.bytes = parts.blocks.size() * sizeof(FieldBlock) + parts.coarse.size() * sizeof(CoarseEntry);
   report.jumping_blocks = tally.jumps;
-  const DistanceField field = view_field(parts);
-  measure_error(parts, field, split, progress, report);
-  report.surface_without_inside = fraction_without_inside(soup.mesh, field);
+  report.quality = judge_field(parts, split, progress);
   return parts;
 }
 

@@ -27,12 +27,12 @@ std::optional<double> metres(const std::string& unit) {
 }
 
 void check_extension(const std::filesystem::path& path) {
-  constexpr std::array kKnown{".obj", ".stl", ".ply", ".gltf", ".glb", ".dae"};
+  constexpr std::array kKnown{".obj", ".stl", ".ply", ".gltf", ".glb", ".dae", ".off"};
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (std::find(kKnown.begin(), kKnown.end(), extension) == kKnown.end()) {
-    refuse(path, "unknown mesh format \"" + extension + "\", expected .obj, .stl, .ply, .gltf, .glb or .dae");
+    refuse(path, "unknown mesh format \"" + extension + "\", expected .obj, .stl, .ply, .off, .gltf, .glb or .dae");
   }
 }
 

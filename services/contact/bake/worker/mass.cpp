@@ -47,7 +47,7 @@ MassProperties mass_properties(const Soup& soup, const SplitSoup& split, const S
   std::vector<std::uint8_t> inside(count, 0);
   parallel_stage("mass", count, progress, [&](std::size_t i) {
     const Vec3 p = at(i);
-    inside[i] = split.solid.vote(p).inside ||
+    inside[i] = split.inside.vote(p).inside ||
                 (!split.sheets.empty() && split.sheets.distance(p, split.half_thickness_m) < split.half_thickness_m);
   });
   std::vector<Vec3> points;

@@ -24,8 +24,8 @@ Corners corners_of(const Mesh& mesh, std::size_t t) {
 enum class Side { along_normal, against_normal, buried, neither };
 
 Side side_of(const SplitSoup& split, const Vec3& p, const Vec3& normal) {
-  const double step = 2e-5 * split.solid.size();  // beyond the rounding of float32 rays
-  const bool along = split.solid.vote(p + step * normal).inside, against = split.solid.vote(p - step * normal).inside;
+  const double step = 2e-5 * split.inside.surface().size();  // beyond the rounding of float32 rays
+  const bool along = split.inside.vote(p + step * normal).inside, against = split.inside.vote(p - step * normal).inside;
   if (along && against) return Side::buried;
   if (along) return Side::along_normal;
   return against ? Side::against_normal : Side::neither;
@@ -92,7 +92,7 @@ bool orient_feature(const Mesh& mesh, const SplitSoup& split, const FeaturePlace
   for (const std::uint32_t t : place.triangles) {
     const Corners c = corners_of(mesh, t);
     const Vec3 n = c.normal(), to_middle = (c.a + c.b + c.c) / 3 - place.position;
-    const double inset = std::min(0.05, 1e-3 * split.solid.size() / to_middle.norm());
+    const double inset = std::min(0.05, 1e-3 * split.inside.surface().size() / to_middle.norm());
     const Side side = side_of(split, place.position + inset * to_middle, n);
     const double weight = angle_at(c, place.position);
     if (side == Side::along_normal) sum += weight * n;
@@ -181,7 +181,7 @@ SurfaceSamples sample_surface(const Soup& soup, const SplitSoup& split, std::siz
   parallel_stage("surface samples", count, progress, [&](std::size_t i) {
     Candidate& c = candidates[i];
     if (on_plate[i]) {
-      c.keep = !split.solid.vote(c.p).inside;
+      c.keep = !split.inside.vote(c.p).inside;
       return;
     }
     const Side side = side_of(split, c.p, c.n);

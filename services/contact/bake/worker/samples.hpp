@@ -17,7 +17,7 @@ struct SurfaceSamples {
 };
 
 /// `count` random samples, uniform by area, and further ones along sharp edges (30 degrees and more, open rims) every
-/// `feature_spacing_m`, corners included. Which side is inside is asked of the body itself (Surface::vote), never of
+/// `feature_spacing_m`, corners included. Which side is inside is asked of the body itself (Inside::vote), never of
 /// the triangles' orientation; the orientation decides only where both sides are outside. Plates get samples on both
 /// faces.
 SurfaceSamples sample_surface(const Soup& soup, const SplitSoup& split, std::size_t count, double feature_spacing_m,

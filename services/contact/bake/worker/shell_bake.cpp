@@ -12,7 +12,8 @@ constexpr std::size_t kCandidatesPerPoint = 8;
 
 Pointshell bake_shell(const Soup& soup, const ShellOptions& options, const StageProgress& progress,
                       ShellReport& report) {
-  const SplitSoup split = split_soup(soup, options.sheet_thickness_m);
+  const SplitSoup split = split_soup(soup, options.sheet_thickness_m, progress);
+  report.solids = split.report;
   const auto wanted = static_cast<std::size_t>(options.points);
   const double spacing = packing_spacing(area_of(soup.mesh), wanted);
   SurfaceSamples samples = sample_surface(soup, split, kCandidatesPerPoint * wanted, spacing, progress);

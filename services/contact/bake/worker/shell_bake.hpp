@@ -17,6 +17,7 @@ struct ShellReport {
   double largest_gap_m = 0;   ///< from any place of the exposed surface to the nearest point
   std::size_t buried_samples = 0, samples_without_inside = 0, samples = 0;
   std::vector<std::size_t> level_sizes;
+  SolidReport solids;
 };
 
 /// Blue-noise points with inward normals, mass properties of the uniform solid, and the hierarchy (README). The content

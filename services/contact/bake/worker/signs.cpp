@@ -72,8 +72,8 @@ Labels label_block(const FieldBlock& block, double cell_steps) {
 
 class Solver {
  public:
-  Solver(FieldParts& parts, const Surface& surface, const StageProgress& progress)
-      : parts_(parts), surface_(surface), progress_(progress), block_at_(parts.blocks.size()) {
+  Solver(FieldParts& parts, const Inside& side, const StageProgress& progress)
+      : parts_(parts), inside_(side), progress_(progress), block_at_(parts.blocks.size()) {
     const FieldGrid& grid = parts.grid;
     for (int z = 0; z < grid.blocks[2]; ++z) {
       for (int y = 0; y < grid.blocks[1]; ++y) {
@@ -111,7 +111,7 @@ class Solver {
                                 kBlockCells * b[2] + i / (kBlockCorners * kBlockCorners));
   }
   bool vote(const Vec3& p, bool& close) {
-    const Vote v = surface_.vote(p);
+    const Vote v = inside_.vote(p);
     if (v.close) {
       close = true;
       ++close_;
@@ -297,7 +297,7 @@ class Solver {
   }
 
   FieldParts& parts_;
-  const Surface& surface_;
+  const Inside& inside_;
   const StageProgress& progress_;
   SignReport report_;
   std::vector<std::array<int, 3>> block_at_;  ///< by slot
@@ -311,8 +311,8 @@ class Solver {
 
 }  // namespace
 
-SignReport settle_signs(FieldParts& parts, const Surface& surface, const StageProgress& progress) {
-  return Solver(parts, surface, progress).run();
+SignReport settle_signs(FieldParts& parts, const Inside& inside, const StageProgress& progress) {
+  return Solver(parts, inside, progress).run();
 }
 
 }  // namespace tact::contact

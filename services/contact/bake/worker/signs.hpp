@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "contact/bake/worker/inside.hpp"
 #include "contact/bake/worker/progress.hpp"
-#include "contact/bake/worker/surface.hpp"
 #include "field/field_builder.hpp"
 
 namespace tact::contact {
@@ -20,9 +20,9 @@ struct SignReport {
 ///
 /// Two corners with |d_a| + |d_b| > |a - b| have no surface between them, so they share a sign; so do the corners and
 /// neighbours of a block far from the surface. Such corners form regions. Every block votes on its part of each region
-/// (Surface::vote at the corner farthest from the surface); a region whose parts agree takes their sign. A region whose
+/// (Inside::vote at the corner farthest from the surface); a region whose parts agree takes their sign. A region whose
 /// parts disagree leaks through a hole of the mesh: there each part, and near the hole each corner, votes for itself,
 /// and its blocks are marked doubtful. Corners in no region vote for themselves.
-SignReport settle_signs(FieldParts& parts, const Surface& surface, const StageProgress& progress);
+SignReport settle_signs(FieldParts& parts, const Inside& inside, const StageProgress& progress);
 
 }  // namespace tact::contact

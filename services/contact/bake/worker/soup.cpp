@@ -6,12 +6,13 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "contact/bake/worker/edges.hpp"
 #include "contact/bake/worker/union_find.hpp"
 
 namespace tact::contact {
 namespace {
 
-using Index3 = std::array<std::uint32_t, 3>;
+constexpr double kSeam = 5e-5;  ///< of the size: a twentieth of a voxel of the finest usual grid
 
 /// Merges vertices nearer than `tolerance`: maps each to the first of its kind.
 std::vector<std::uint32_t> weld(const std::vector<Eigen::Vector3f>& vertices, double tolerance) {
@@ -48,42 +49,38 @@ std::vector<std::uint32_t> weld(const std::vector<Eigen::Vector3f>& vertices, do
   return first;
 }
 
-struct Edge {
-  std::uint32_t a, b;  ///< a < b
-  std::uint32_t triangle;
-  bool forward;  ///< the triangle runs from a to b
-};
-
-bool same_edge(const Edge& x, const Edge& y) { return x.a == y.a && x.b == y.b; }
-
-std::vector<Edge> edges_of(const std::vector<Index3>& triangles) {
-  std::vector<Edge> edges;
-  edges.reserve(3 * triangles.size());
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
-      edges.push_back({std::min(a, b), std::max(a, b), t, a < b});
-    }
-  }
-  std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
-    return std::tie(x.a, x.b, x.triangle) < std::tie(y.a, y.b, y.triangle);
-  });
-  return edges;
-}
-
-/// Calls visit(first, last) for the triangles round each edge.
-template <class Visit>
-void for_each_edge(const std::vector<Edge>& edges, Visit&& visit) {
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t j = i;
-    while (j < edges.size() && same_edge(edges[i], edges[j])) ++j;
-    visit(edges.data() + i, edges.data() + j);
-    i = j;
-  }
-}
-
 bool even(const Index3& t) {  ///< orientation, relative to the sorted corners
   return (t[0] < t[1]) == ((t[1] < t[2]) == (t[0] < t[2]));
+}
+
+/// Exporters that round coordinates tear parts open along their seams. Corners on open edges are merged with others of
+/// their kind at a wider tolerance than the rest, where nothing but a seam can be that narrow.
+std::size_t close_seams(const std::vector<Eigen::Vector3f>& vertices, double tolerance,
+                        std::vector<Index3>& triangles) {
+  std::vector<std::uint32_t> rim;
+  for_each_edge(edges_of(triangles), [&](const Edge* first, const Edge* last) {
+    if (last - first != 1) return;
+    rim.push_back(first->a);
+    rim.push_back(first->b);
+  });
+  std::sort(rim.begin(), rim.end());
+  rim.erase(std::unique(rim.begin(), rim.end()), rim.end());
+  std::vector<Eigen::Vector3f> places;
+  for (const std::uint32_t v : rim) places.push_back(vertices[v]);
+  const std::vector<std::uint32_t> first = weld(places, tolerance);
+  std::vector<std::uint32_t> to(vertices.size());
+  std::iota(to.begin(), to.end(), 0u);
+  std::size_t merged = 0;
+  for (std::size_t i = 0; i < rim.size(); ++i) {
+    to[rim[i]] = rim[first[i]];
+    merged += first[i] != i ? 1 : 0;
+  }
+  if (merged == 0) return 0;
+  std::erase_if(triangles, [&](Index3& t) {
+    for (std::uint32_t& v : t) v = to[v];
+    return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];  // narrower than the seam
+  });
+  return merged;
 }
 
 /// Drops coincident copies; marks in `doubled` those that were there in both orientations.
@@ -122,9 +119,8 @@ std::vector<Index3> drop_duplicates(const std::vector<Index3>& triangles, SoupRe
 }
 
 /// Drops those groups of doubled faces whose rim closes without them: walls between touching solids.
-std::vector<Index3> drop_inner_walls(const std::vector<Index3>& triangles, const std::vector<std::uint8_t>& doubled,
-                                     SoupReport& report) {
-  if (std::find(doubled.begin(), doubled.end(), std::uint8_t{1}) == doubled.end()) return triangles;
+void drop_inner_walls(std::vector<Index3>& triangles, std::vector<std::uint8_t>& doubled, SoupReport& report) {
+  if (std::find(doubled.begin(), doubled.end(), std::uint8_t{1}) == doubled.end()) return;
   const std::vector<Edge> edges = edges_of(triangles);
   UnionFind groups(triangles.size());
   for_each_edge(edges, [&](const Edge* first, const Edge* last) {
@@ -143,7 +139,7 @@ std::vector<Index3> drop_inner_walls(const std::vector<Index3>& triangles, const
     const auto member = std::find_if(first, last, [&](const Edge& e) { return doubled[e.triangle] != 0; });
     ++rims[groups.find(member->triangle)][others > 0 && others % 2 == 0 ? 0 : 1];
   });
-  std::vector<Index3> kept;
+  std::size_t kept = 0;
   for (std::uint32_t i = 0; i < triangles.size(); ++i) {
     if (doubled[i]) {
       const auto rim = rims.find(groups.find(i));
@@ -152,9 +148,32 @@ std::vector<Index3> drop_inner_walls(const std::vector<Index3>& triangles, const
         continue;
       }
     }
-    kept.push_back(triangles[i]);
+    triangles[kept] = triangles[i];
+    doubled[kept++] = doubled[i];
   }
-  return kept;
+  triangles.resize(kept);
+  doubled.resize(kept);
+}
+
+/// Triangles without area fill T-junctions: what hangs together is known by now, so they can go.
+void drop_slivers(const std::vector<Eigen::Vector3f>& vertices, double size, std::vector<Index3>& triangles,
+                  Soup& soup) {
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const Vec3 a = vertices[triangles[t][0]].cast<double>(), b = vertices[triangles[t][1]].cast<double>(),
+               c = vertices[triangles[t][2]].cast<double>();
+    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+    if (!((b - a).cross(c - a).norm() > 1e-7 * size * longest)) {
+      ++soup.report.degenerate;
+      continue;
+    }
+    triangles[kept] = triangles[t];
+    soup.open[kept] = soup.open[t];
+    soup.closed.of[kept++] = soup.closed.of[t];
+  }
+  triangles.resize(kept);
+  soup.open.resize(kept);
+  soup.closed.of.resize(kept);
 }
 
 }  // namespace
@@ -176,20 +195,16 @@ Soup clean_soup(const Mesh& mesh) {
   std::vector<Index3> triangles;
   for (const auto& t : mesh.triangles) {
     const Index3 w{first[t[0]], first[t[1]], first[t[2]]};
-    const Vec3 a = mesh.vertices[w[0]].cast<double>(), b = mesh.vertices[w[1]].cast<double>(),
-               c = mesh.vertices[w[2]].cast<double>();
-    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-    if (!((b - a).cross(c - a).norm() > 1e-7 * size * longest)) {
+    if (w[0] == w[1] || w[1] == w[2] || w[2] == w[0]) {
       ++report.degenerate;
     } else {
       triangles.push_back(w);
     }
   }
+  report.seam_vertices = close_seams(mesh.vertices, kSeam * size, triangles);
   std::vector<std::uint8_t> doubled;
   triangles = drop_duplicates(triangles, report, doubled);
-  triangles = drop_inner_walls(triangles, doubled, report);
-  report.triangles_kept = triangles.size();
-
+  drop_inner_walls(triangles, doubled, report);
   const std::vector<Edge> edges = edges_of(triangles);
   UnionFind parts(triangles.size());
   std::vector<std::uint8_t> rim(triangles.size(), 0);
@@ -205,9 +220,18 @@ Soup clean_soup(const Mesh& mesh) {
     }
   });
   std::vector<std::uint8_t> open(triangles.size(), 0);
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) open[parts.find(t)] |= rim[t];
+  std::vector<std::uint32_t> component(triangles.size());
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    const std::uint32_t root = parts.find(t);
+    component[t] = parts.find(t);
+    open[component[t]] |= rim[t];
+  }
+  soup.closed = orient_closed_parts(mesh.vertices, triangles, edges, component, doubled);
+  report.closed_parts = soup.closed.parts.size();
+  report.capped_holes = soup.closed.holes;
+  for (const ClosedPart& part : soup.closed.parts) report.turned_triangles += part.turned;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    const std::uint32_t root = component[t];
+    if (soup.closed.of[t] != 0) open[root] = 0;  // closed, if need be by caps
     if (root == t) {
       ++report.components;
       report.open_components += open[t];
@@ -216,9 +240,12 @@ Soup clean_soup(const Mesh& mesh) {
     report.sheet_triangles += open[root];
   }
 
+  drop_slivers(mesh.vertices, size, triangles, soup);
+  report.triangles_kept = triangles.size();
+
   // Only the vertices in use, in the order of first use.
   std::vector<std::uint32_t> to(mesh.vertices.size(), ~0u);
-  for (Index3& t : triangles) {
+  const auto renumber = [&](Index3& t) {
     for (std::uint32_t& i : t) {
       if (to[i] == ~0u) {
         to[i] = static_cast<std::uint32_t>(soup.mesh.vertices.size());
@@ -226,7 +253,9 @@ Soup clean_soup(const Mesh& mesh) {
       }
       i = to[i];
     }
-  }
+  };
+  std::for_each(triangles.begin(), triangles.end(), renumber);
+  std::for_each(soup.closed.caps.begin(), soup.closed.caps.end(), renumber);
   soup.mesh.triangles = std::move(triangles);
   return soup;
 }

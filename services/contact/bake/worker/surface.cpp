@@ -2,6 +2,7 @@
 
 #include <embree3/rtcore.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -18,7 +19,7 @@ struct Surface::Scene {
     device = rtcNewDevice(nullptr);
     if (device == nullptr) throw std::bad_alloc();
     scene = rtcNewScene(device);
-    // Robust: no ray slips through a shared edge. Context filter: counts crossings.
+    // Robust: no ray slips through a shared edge. Context filter: sees every crossing.
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);  // no spatial splits: each triangle is met once
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -59,11 +60,25 @@ Surface::Surface(const Mesh& mesh) {
     const Eigen::Vector3f p = (mesh.vertices[i].cast<double>() - middle_).cast<float>();
     vertices[i] = {p.x(), p.y(), p.z()};
   }
-  triangles_.reserve(mesh.triangles.size());
+  std::vector<Triangle> triangles;
+  std::vector<SmallTriangle> small;
+  std::vector<Ball> balls;
+  triangles.reserve(mesh.triangles.size());
+  small.reserve(mesh.triangles.size());
+  balls.reserve(mesh.triangles.size());
+  const double scale = 1 / size_;
   for (const auto& t : mesh.triangles) {
-    triangles_.emplace_back(mesh.vertices[t[0]].cast<double>() - middle_, mesh.vertices[t[1]].cast<double>() - middle_,
-                            mesh.vertices[t[2]].cast<double>() - middle_);
+    const Vec3 a = mesh.vertices[t[0]].cast<double>() - middle_, b = mesh.vertices[t[1]].cast<double>() - middle_,
+               c = mesh.vertices[t[2]].cast<double>() - middle_, centre = (a + b + c) / 3;
+    triangles.emplace_back(a, b, c);
+    small.emplace_back(Triangle(scale * a, scale * b, scale * c));
+    const double radius = std::max({(a - centre).norm(), (b - centre).norm(), (c - centre).norm()});
+    const Eigen::Vector3f at = (scale * centre).cast<float>();
+    balls.push_back({at.x(), at.y(), at.z(), static_cast<float>(scale * radius)});
   }
+  triangles_ = std::make_shared<const std::vector<Triangle>>(std::move(triangles));
+  small_ = std::make_shared<const std::vector<SmallTriangle>>(std::move(small));
+  balls_ = std::make_shared<const std::vector<Ball>>(std::move(balls));
   scene_ = std::make_shared<Scene>(vertices, mesh.triangles);
 }
 
@@ -90,16 +105,19 @@ struct Gather {
   std::vector<std::uint32_t>* found;
 };
 
-struct Count {
+struct Collect {
   RTCIntersectContext context;  // first, so that the filter finds the rest behind it
-  unsigned hits;
+  std::vector<Crossing>* found;
 };
 
-void count_and_go_on(const RTCFilterFunctionNArguments* arguments) {
-  auto* count = reinterpret_cast<Count*>(arguments->context);
+void collect_and_go_on(const RTCFilterFunctionNArguments* arguments) {
+  auto* collect = reinterpret_cast<Collect*>(arguments->context);
   for (unsigned i = 0; i < arguments->N; ++i) {
     if (arguments->valid[i] == 0) continue;
-    ++count->hits;
+    const float along = RTCRayN_dir_x(arguments->ray, arguments->N, i) * RTCHitN_Ng_x(arguments->hit, arguments->N, i) +
+                        RTCRayN_dir_y(arguments->ray, arguments->N, i) * RTCHitN_Ng_y(arguments->hit, arguments->N, i) +
+                        RTCRayN_dir_z(arguments->ray, arguments->N, i) * RTCHitN_Ng_z(arguments->hit, arguments->N, i);
+    collect->found->push_back({RTCHitN_primID(arguments->hit, arguments->N, i), along < 0});
     arguments->valid[i] = 0;  // refused: the ray goes on
   }
 }
@@ -108,7 +126,7 @@ void count_and_go_on(const RTCFilterFunctionNArguments* arguments) {
 
 double Surface::distance(const Vec3& p, double limit_m) const {
   if (empty()) return limit_m;
-  Nearest nearest{triangles_.data(), p - middle_, limit_m * limit_m, 1e-6 * size_};
+  Nearest nearest{triangles_->data(), p - middle_, limit_m * limit_m, 1e-6 * size_};
   // Embree's radius is float: a hair more, so that rounding drops nothing.
   RTCPointQuery query = query_at(nearest.p, limit_m * (1 + 1e-5) + nearest.hair);
   RTCPointQueryContext context;
@@ -147,11 +165,12 @@ bool Surface::near(const Vec3& p, double reach_m, std::size_t most, std::vector<
   return found.size() <= most;
 }
 
-unsigned Surface::crossings(const Vec3& p, const Vec3& direction) const {
-  if (empty()) return 0;
-  Count count{};
-  rtcInitIntersectContext(&count.context);
-  count.context.filter = count_and_go_on;
+void Surface::cross(const Vec3& p, const Vec3& direction, double reach_m, std::vector<Crossing>& found) const {
+  if (empty()) return;
+  Collect collect{};
+  rtcInitIntersectContext(&collect.context);
+  collect.context.filter = collect_and_go_on;
+  collect.found = &found;
   const Vec3 from = p - middle_;
   RTCRay ray{};
   ray.org_x = static_cast<float>(from.x());
@@ -161,41 +180,9 @@ unsigned Surface::crossings(const Vec3& p, const Vec3& direction) const {
   ray.dir_y = static_cast<float>(direction.y());
   ray.dir_z = static_cast<float>(direction.z());
   ray.tnear = 0;
-  ray.tfar = std::numeric_limits<float>::infinity();
+  ray.tfar = static_cast<float>(reach_m);
   ray.mask = 0xffffffffu;
-  rtcOccluded1(scene_->scene, &count.context, &ray);
-  return count.hits;
-}
-
-Vote Surface::vote(const Vec3& p) const {
-  // Opposite pairs, so that a lone sheet gets exactly half of the votes. Spread over the sphere (Fibonacci), turned off
-  // every axis, plane and diagonal that CAD likes; the order makes the first few, too, look all round.
-  constexpr int kPairs = 12;
-  static const std::array<Vec3, kPairs> kDirections = [] {
-    std::array<Vec3, kPairs> d;
-    const Mat3 turn = Eigen::AngleAxisd(0.7123, Vec3(0.3171, -0.8113, 0.4911).normalized()).toRotationMatrix();
-    for (int i = 0; i < kPairs; ++i) {
-      const int k = i * 5 % kPairs;
-      const double z = 1 - (k + 0.5) / kPairs, a = k * 2.399963229728653;  // half a sphere
-      d[static_cast<std::size_t>(i)] =
-          turn * Vec3(std::sqrt(1 - z * z) * std::cos(a), std::sqrt(1 - z * z) * std::sin(a), z);
-    }
-    return d;
-  }();
-  int in = 0, out = 0;
-  const auto cast = [&](int from, int to) {
-    for (int i = from; i < to; ++i) {
-      const Vec3& d = kDirections[static_cast<std::size_t>(i)];
-      (crossings(p, d) % 2 == 1 ? in : out) += 1;
-      (crossings(p, -d) % 2 == 1 ? in : out) += 1;
-    }
-  };
-  cast(0, 2);
-  if (in == 0 || out == 0) return {in > 0, false};
-  cast(2, 4);
-  if (in >= 7 || out >= 7) return {in >= 7, false};
-  cast(4, kPairs);
-  return {10 * in > 6 * (in + out), 10 * in >= 4 * (in + out) && 10 * in <= 6 * (in + out)};
+  rtcOccluded1(scene_->scene, &collect.context, &ray);
 }
 
 }  // namespace tact::contact

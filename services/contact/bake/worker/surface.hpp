@@ -8,22 +8,30 @@
 
 namespace tact::contact {
 
-/// How a point was found to be inside or outside.
-struct Vote {
-  bool inside = false;
-  bool close = false;  ///< 40 to 60 % of the rays said inside: hardly better than a coin
+/// A triangle that a ray meets.
+struct Crossing {
+  std::uint32_t triangle;
+  bool against;  ///< the ray enters where the triangle faces
 };
 
-/// A triangle soup that answers distance and ray questions (Embree). Immutable; any thread. Coordinates in metres in
-/// the mesh's frame; kept inside relative to the middle of the box, so that float32 rays lose nothing to a far origin.
+/// A triangle soup that answers distance and ray questions (Embree). Immutable, cheap to copy; any thread. Coordinates
+/// in metres in the mesh's frame; kept inside relative to the middle of the box, so that float32 rays lose nothing to a
+/// far origin.
 class Surface {
  public:
   explicit Surface(const Mesh& mesh);
 
-  bool empty() const { return triangles_.empty(); }
+  bool empty() const { return scene_ == nullptr; }
   const Vec3& middle() const { return middle_; }
-  double size() const { return size_; }                                      ///< longest side of the box
-  const Triangle& triangle(std::uint32_t i) const { return triangles_[i]; }  ///< relative to middle()
+  double size() const { return size_; }  ///< longest side of the box
+  std::uint32_t size_in_triangles() const { return empty() ? 0 : static_cast<std::uint32_t>(triangles_->size()); }
+  /// In units of size(), so that single precision neither overflows nor underflows; relative to middle().
+  struct Ball {
+    float x, y, z, radius;
+  };
+  const Ball& ball(std::uint32_t i) const { return (*balls_)[i]; }
+  const SmallTriangle& small(std::uint32_t i) const { return (*small_)[i]; }
+  const Triangle& triangle(std::uint32_t i) const { return (*triangles_)[i]; }  ///< relative to middle()
 
   /// Distance to the nearest triangle, `limit_m` when none is nearer. Infinite for an empty surface without limit.
   double distance(const Vec3& p, double limit_m) const;
@@ -32,18 +40,15 @@ class Surface {
   /// use, when there are more than `most`.
   bool near(const Vec3& p, double reach_m, std::size_t most, std::vector<std::uint32_t>& found) const;
 
-  /// Times a ray crosses the surface.
-  unsigned crossings(const Vec3& p, const Vec3& direction) const;
-
-  /// Vote by the parity of crossings: four rays when they agree, else eight when seven do, else 24, of which more than
-  /// 60 % must say inside. Right for a soup of any orientation, and mostly for open ones; both sides of a lone sheet
-  /// are outside. Coincident duplicates must have been removed.
-  Vote vote(const Vec3& p) const;
+  /// Appends every triangle that the ray from p meets within `reach_m`, in no order.
+  void cross(const Vec3& p, const Vec3& direction, double reach_m, std::vector<Crossing>& found) const;
 
  private:
   struct Scene;
   std::shared_ptr<const Scene> scene_;
-  std::vector<Triangle> triangles_;
+  std::shared_ptr<const std::vector<Triangle>> triangles_;
+  std::shared_ptr<const std::vector<SmallTriangle>> small_;
+  std::shared_ptr<const std::vector<Ball>> balls_;
   Vec3 middle_ = Vec3::Zero();
   double size_ = 0;
 };

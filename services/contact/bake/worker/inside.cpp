@@ -1,0 +1,101 @@
+#include "contact/bake/worker/inside.hpp"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace tact::contact {
+namespace {
+
+constexpr int kPairs = 12;
+constexpr double kForEver = std::numeric_limits<double>::infinity();
+
+/// One of each opposite pair, so that a lone sheet gets exactly half of the votes. Spread over the sphere (Fibonacci),
+/// turned off every axis, plane and diagonal that CAD likes; the order makes the first few, too, look all round.
+const std::array<Vec3, kPairs>& directions() {
+  static const std::array<Vec3, kPairs> kDirections = [] {
+    std::array<Vec3, kPairs> d;
+    const Mat3 turn = Eigen::AngleAxisd(0.7123, Vec3(0.3171, -0.8113, 0.4911).normalized()).toRotationMatrix();
+    for (int i = 0; i < kPairs; ++i) {
+      const int k = i * 5 % kPairs;
+      const double z = 1 - (k + 0.5) / kPairs, a = k * 2.399963229728653;  // half a sphere
+      d[static_cast<std::size_t>(i)] =
+          turn * Vec3(std::sqrt(1 - z * z) * std::cos(a), std::sqrt(1 - z * z) * std::sin(a), z);
+    }
+    return d;
+  }();
+  return kDirections;
+}
+
+std::vector<Crossing>& scratch() {
+  thread_local std::vector<Crossing> found;
+  found.clear();
+  return found;
+}
+
+}  // namespace
+
+Inside::Inside(Surface surface, std::vector<std::uint32_t> part, std::vector<std::int8_t> role)
+    : surface_(std::move(surface)),
+      part_(std::make_shared<const std::vector<std::uint32_t>>(std::move(part))),
+      role_(std::move(role)) {}
+
+bool Inside::ray_says_inside(const Vec3& p, const Vec3& direction) const {
+  std::vector<Crossing>& found = scratch();
+  surface_.cross(p, direction, kForEver, found);
+  int held = 0;
+  std::size_t n = found.size();
+  while (n > 0) {  // one part after the other; there are few along a ray
+    const std::uint32_t part = this->part(found[n - 1].triangle);
+    int winding = 0, crossings = 0;
+    std::size_t others = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (this->part(found[i].triangle) == part) {
+        winding += found[i].against ? 1 : -1;
+        ++crossings;
+      } else {
+        found[others++] = found[i];
+      }
+    }
+    n = others;
+    if (part == 0 ? crossings % 2 == 1 : winding != 0) held += role_[part];
+  }
+  return held > 0;
+}
+
+Vote Inside::vote(const Vec3& p) const {
+  int in = 0, out = 0;
+  const auto cast = [&](int from, int to) {
+    for (int i = from; i < to; ++i) {
+      const Vec3& d = directions()[static_cast<std::size_t>(i)];
+      ++(ray_says_inside(p, d) ? in : out);
+      ++(ray_says_inside(p, -d) ? in : out);
+    }
+  };
+  cast(0, 2);
+  if (in == 0 || out == 0) return {in > 0, false};
+  cast(2, 4);
+  if (in >= 7 || out >= 7) return {in >= 7, false};
+  cast(4, kPairs);
+  return {10 * in > 6 * (in + out), 10 * in >= 4 * (in + out) && 10 * in <= 6 * (in + out)};
+}
+
+std::vector<std::uint8_t> Inside::parts_around(const Vec3& p) const {
+  std::vector<std::uint8_t> rays(role_.size(), 0);
+  std::vector<int> winding(role_.size(), 0);
+  std::vector<Crossing>& found = scratch();
+  for (const Vec3& d : directions()) {
+    found.clear();
+    surface_.cross(p, d, kForEver, found);
+    for (const Crossing& c : found) winding[part(c.triangle)] += c.against ? 1 : -1;
+    for (const Crossing& c : found) {
+      const std::uint32_t k = part(c.triangle);
+      if (k == 0 ? winding[0] % 2 != 0 : winding[k] != 0) ++rays[k];  // the sum has the parity of the count
+      winding[k] = 0;
+    }
+  }
+  for (std::uint8_t& r : rays) r = 2 * r > kPairs;
+  return rays;
+}
+
+}  // namespace tact::contact

@@ -1,0 +1,43 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "contact/bake/worker/surface.hpp"
+
+namespace tact::contact {
+
+/// How a point was found to be inside or outside.
+struct Vote {
+  bool inside = false;
+  bool close = false;  ///< 40 to 60 % of the rays said inside: hardly better than a coin
+};
+
+/// Tells inside from outside by rays. Immutable, cheap to copy; any thread.
+///
+/// A ray tells, for each closed part, how often the part winds round its origin: not zero is inside that part. The rest
+/// of the soup (part 0) is one body whose inside is where the number of crossings is odd. A point is inside when more
+/// solids than cavities hold it, so solids that interpenetrate are their union.
+class Inside {
+ public:
+  /// `part` names each triangle's part, 0 the rest; `role` is by part, +1 for a solid and -1 for a cavity.
+  Inside(Surface surface, std::vector<std::uint32_t> part, std::vector<std::int8_t> role);
+
+  /// Four rays when they agree, else eight when seven do, else 24, of which more than 60 % must say inside: both sides
+  /// of a lone sheet, which gets exactly half, are outside. Coincident duplicates must have been removed.
+  Vote vote(const Vec3& p) const;
+
+  /// By part: whether p is inside it, by the majority of twelve rays.
+  std::vector<std::uint8_t> parts_around(const Vec3& p) const;
+
+  const Surface& surface() const { return surface_; }
+  std::uint32_t part(std::uint32_t triangle) const { return (*part_)[triangle]; }
+
+ private:
+  bool ray_says_inside(const Vec3& p, const Vec3& direction) const;
+
+  Surface surface_;
+  std::shared_ptr<const std::vector<std::uint32_t>> part_;
+  std::vector<std::int8_t> role_;
+};
+
+}  // namespace tact::contact
