@@ -112,7 +112,7 @@ TEST(BakeField, SpoiledSoupGivesTheSameField) {
     for (int i = 0; i < 20000; ++i) {
       const Vec3 p =
           wanted.min_O() + Vec3(unit(random), unit(random), unit(random)).cwiseProduct(wanted.max_O() - wanted.min_O());
-      ASSERT_EQ(baked.field.sample(p).value_m, wanted.sample(p).value_m);
+      ASSERT_NEAR(baked.field.sample(p).value_m, wanted.sample(p).value_m, 1e-3 * wanted.voxel_m());  // rounding
     }
   }
 }
@@ -319,14 +319,14 @@ TEST(BakeField, CancelsWhenAsked) {
 }
 
 TEST(BakeField, ScaleAndPlaceDoNotMatter) {
-  for (const double scale : {1e-3, 1.0, 1e3}) {
+  for (const double scale : {1e-5, 1e-3, 1.0, 1e3, 1e5}) {  // 1.1 um to 11 km
     Mesh mesh = test::torus_mesh(0.04, 0.015, 100, 60);
     for (auto& v : mesh.vertices) v = (v + Eigen::Vector3f(0.3f, -0.2f, 0.1f)) * static_cast<float>(scale);
-    const Baked baked = bake(mesh, 64);
+    const Baked baked = bake(mesh, 48);
     const Errors errors =
         compare(baked.field, [&](const Vec3& p) { return scale * torus_m(p / scale - Vec3(0.3, -0.2, 0.1)); });
     EXPECT_EQ(errors.wrong_sign, 0);
-    EXPECT_LT(errors.value, 0.15);
+    EXPECT_LT(errors.value, 0.2);
     EXPECT_EQ(baked.report.jumping_blocks, 0u);
   }
 }
