@@ -89,6 +89,7 @@ Keys body_keys(BodySpec& body, const std::filesystem::path& base) {
 
 Keys contact_keys(ContactSpec& c) {
   return {choice("law", c.law, {"none", "global", "adaptive-3dof", "adaptive-6dof", "potential"}),
+          choice("force_along", c.force_along, {"gradient", "normal"}),
           number("stiffness_n_per_m", c.stiffness_n_per_m, 0, 1e6, "N/m; 0: f_max_n over x_max"),
           number("f_max_n", c.f_max_n, 0.01, 200, "N"),
           number("x_max_voxels", c.x_max_voxels, 0.05, 4, "voxels"),
@@ -97,7 +98,8 @@ Keys contact_keys(ContactSpec& c) {
           integer("n0", c.n0, 1, 1000000),
           number("p", c.p, 2, 64, ""),
           number("q", c.q, 1, 64, ""),
-          integer("directions", c.directions, 12, 4096),
+          number("reach_deg", c.reach_deg, 5, 180, "degrees"),
+          integer("directions", c.directions, 32, 4096),
           integer("capacity", c.capacity, 16, 1 << 20)};
 }
 

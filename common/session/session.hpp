@@ -21,14 +21,17 @@ struct BodySpec {
 
 struct ContactSpec {
   std::string law = "potential";  ///< none global adaptive-3dof adaptive-6dof potential
-  double stiffness_n_per_m = 0;   ///< k; 0: f_max_n / x_max_m. Above 0 it holds, and F_max = k x_max
-  double f_max_n = 10;            ///< F_max = k x_max (eq. 15)
+  /// "gradient": forces along the field's gradient, conservative. "normal": along the point's normal, [P] eq. 1.
+  std::string force_along = "gradient";
+  double stiffness_n_per_m = 0;  ///< k; 0: f_max_n / x_max_m. Above 0 it holds, and F_max = k x_max
+  double f_max_n = 10;           ///< F_max = k x_max (eq. 15)
   double x_max_voxels = 0.5;
   double damping_ratio = 0;  ///< contact damping, fraction of critical at the tool's mass
   double epsilon = 0.01;     ///< eq. 6
   int n0 = 10;               ///< eq. 2
   double p = 16, q = 8;      ///< potential
-  int directions = 162;
+  double reach_deg = 60;
+  int directions = 64;
   int capacity = 16384;
 };
 

@@ -19,6 +19,10 @@ enum class Status : std::uint32_t {
 };
 constexpr std::uint32_t bit(Status s) noexcept { return static_cast<std::uint32_t>(s); }
 
+/// Along what a contact pushes. normal: the point's normal N, [P] eq. 1. gradient: the field's gradient g, of length
+/// about 1, so that forces are minus the derivative of an energy of the depths.
+enum class ForceDirection : std::uint8_t { normal, gradient };
+
 /// The points in contact at one pose, in O (the field body's frame), structure of arrays with fixed capacity.
 /// Filled by the traversal, weighed by a law, summed by assemble. r is the lever p - To expressed in O.
 struct ContactBuffer {
@@ -34,7 +38,14 @@ struct ContactBuffer {
   std::vector<double> weight;        ///< of the law
   std::vector<std::uint32_t> flags;  ///< Status bits of this contact
 
+  ForceDirection force_along = ForceDirection::gradient;  ///< set by whoever assembles; the traversal leaves it
+
   std::size_t capacity() const { return point_id.size(); }
+
+  /// e of contact i: N or g. Where the field has no gradient (beyond its band) always N.
+  const Vec3& force_direction(std::size_t i) const noexcept {
+    return force_along == ForceDirection::normal || g[i].isZero(0) ? N[i] : g[i];
+  }
 };
 
 }  // namespace tact::contact

@@ -33,6 +33,7 @@ const ContactResult& ContactPipeline::step(const ToolQuery& query) noexcept {
   const Pose X_WO{query.X_WO.p, query.X_WO.q.normalized()};
 
   const Findings found = traversal_.find(X_WO.inverse() * query.X_WT, contacts_);
+  contacts_.force_along = setup.params.force_along;
   setup.law->weigh(contacts_);
   const Response response_O = assemble(contacts_, *setup.law, setup.params.stiffness_n_per_m,
                                        setup.params.damping_n_s_per_m, relative_twist_O(query, X_WO.q));

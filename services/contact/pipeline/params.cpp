@@ -26,12 +26,17 @@ PipelineParams pipeline_params(const ContactSpec& spec, double voxel_m, double m
           "0 (f_max_n / x_max) or more");
   require(finite(spec.f_max_n) && spec.f_max_n > 0, "f_max_n", spec.f_max_n, "more than 0");
   require(finite(spec.damping_ratio) && spec.damping_ratio >= 0, "damping_ratio", spec.damping_ratio, "0 or more");
+  if (spec.force_along != "gradient" && spec.force_along != "normal") {
+    throw SetupError("contact.force_along: found \"" + spec.force_along + "\", expected gradient or normal");
+  }
   PipelineParams out;
+  out.force_along = spec.force_along == "normal" ? ForceDirection::normal : ForceDirection::gradient;
   out.law = spec.law;
   out.law_params.epsilon = spec.epsilon;
   out.law_params.n0 = spec.n0;
   out.law_params.p = whole("p", spec.p);
   out.law_params.q = whole("q", spec.q);
+  out.law_params.reach_deg = spec.reach_deg;
   out.law_params.directions = spec.directions;
   out.law_params.lever_floor_m = voxel_m;
   out.x_max_m = spec.x_max_voxels * voxel_m;

@@ -24,19 +24,27 @@ Mat6 symmetric(const Mat6& M) noexcept { return 0.5 * (M + M.transpose()); }
 
 Response assemble(const ContactBuffer& contacts, const Law& law, double k, double damping, const Twist& V) noexcept {
   Response out;
-  Vec6 elastic = Vec6::Zero(), damped = Vec6::Zero();
+  Vec6 elastic = Vec6::Zero(), damped = Vec6::Zero(), turning = Vec6::Zero();
   Mat6 ss = Mat6::Zero(), sh = Mat6::Zero();
+  Mat3 levers = Mat3::Zero();
   const Vec6 twist = V.vector();
   for (std::size_t i = 0; i < contacts.size; ++i) {
     const double w = contacts.weight[i], depth = contacts.depth_m[i];
     const Vec3& r = contacts.r[i];
+    const Vec3& e = contacts.force_direction(i);
     Vec6 s, h;
-    s << contacts.N[i], r.cross(contacts.N[i]);
-    h << contacts.g[i], r.cross(contacts.g[i]);
-    const Vec6 ws = w * s;
-    elastic += (k * depth) * ws;
+    s << e, r.cross(e);
+    const Vec6 ws = w * s, f = (k * depth) * ws;
+    elastic += f;
     ss.noalias() += ws * s.transpose();
-    sh.noalias() += ws * h.transpose();
+    if (&e == &contacts.g[i]) {
+      levers.noalias() += r * f.head<3>().transpose();
+      sh.noalias() += ws * s.transpose();
+    } else {
+      turning += f;
+      h << contacts.g[i], r.cross(contacts.g[i]);
+      sh.noalias() += ws * h.transpose();
+    }
     if (damping > 0) {
       const double speed = s.dot(twist), spring = k * depth;
       double b = damping;
@@ -51,8 +59,9 @@ Response assemble(const ContactBuffer& contacts, const Law& law, double k, doubl
   law.include_weight_derivative(ss, sh);
   out.F = Wrench::from(elastic + damped);
   out.G = -k * sh;
-  out.G.block<3, 3>(0, 3) -= skew(elastic.head<3>());
-  out.G.block<3, 3>(3, 3) -= skew(elastic.tail<3>());
+  out.G.block<3, 3>(0, 3) -= skew(turning.head<3>());
+  out.G.block<3, 3>(3, 3) -= skew(turning.tail<3>());
+  out.G.block<3, 3>(3, 3) += levers - levers.trace() * Mat3::Identity();
   out.K = symmetric(k * ss);
   out.B = symmetric(out.B);
   return out;

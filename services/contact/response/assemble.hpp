@@ -14,9 +14,13 @@ struct Response {
   std::uint32_t status = 0;  ///< Status::capped when a damping force was limited
 };
 
-/// Sums the weighed contacts, [P] eq. 1 and 9. With s_i = (N_i, r_i x N_i), sh_i = (g_i, r_i x g_i):
+/// Sums the weighed contacts, [P] eq. 1 and 9. With e_i = contacts.force_direction(i), s_i = (e_i, r_i x e_i) and
+/// sh_i = (g_i, r_i x g_i):
 ///   F = sum_i f_i s_i,   f_i = w_i (k depth_i - b_i s_i.V),   b_i = min(b, k depth_i / |s_i.V|)
-///   G = -k sum_ij s_i H_ij sh_j^T + [0, -[F]x; 0, -[tau]x]    H: see Law::include_weight_derivative; F, tau elastic
+///   G = -k sum_ij s_i H_ij sh_j^T + T    H: see Law::include_weight_derivative
+///   T = [0, -[F]x; 0, -[tau]x] of elastic forces along N, which turn with the tool; [0, 0; 0, sum [F_i]x [r_i]x] of
+///   those
+///       along g, which do not (the field's own curvature is left out: relative error depth / radius)
 ///   K =  k sum_ij s_i H_ij s_j^T
 ///   B = sum_i w_i b_i s_i s_i^T
 /// A contact's damping is never larger than its spring force: no contact pulls, and none begins with a step. G leaves

@@ -21,8 +21,8 @@ void SnapshotTaker::take(const ContactBuffer& contacts, const ContactResult& res
   }
   for (std::size_t i = 0; i < out.size; ++i) {
     const std::uint32_t c = order_[i];
-    out.items[i] = {contacts.point_id[c], contacts.flags[c],   contacts.r[c],     contacts.N[c],
-                    contacts.g[c],        contacts.depth_m[c], contacts.weight[c]};
+    out.items[i] = {contacts.point_id[c], contacts.flags[c],           contacts.r[c],       contacts.N[c],
+                    contacts.g[c],        contacts.force_direction(c), contacts.depth_m[c], contacts.weight[c]};
   }
   out.X_WT = result.X_WT;
   out.X_WO = result.X_WO;

@@ -14,6 +14,7 @@ struct ContactSnapshot {
   struct Item {
     std::uint32_t point_id = 0, flags = 0;
     Vec3 r = Vec3::Zero(), N = Vec3::Zero(), g = Vec3::Zero();
+    Vec3 e = Vec3::Zero();  ///< direction of the force
     double depth_m = 0, weight = 0;
   };
 

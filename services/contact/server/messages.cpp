@@ -34,15 +34,14 @@ void to_wire(const ContactSnapshot& in, std::uint64_t server_epoch, const std::s
   for (std::size_t i = 0; i < in.size; ++i) {
     const ContactSnapshot::Item& from = in.items[i];
     wire::Contact& to = items[i];
-    const Vec3 N_W = R_WO * from.N;
     to.point_id = from.point_id;
     to.flags = from.flags;
     tact::to_wire(Vec3(in.X_WT.p + R_WO * from.r), to.p_W);
-    tact::to_wire(N_W, to.N_W);
+    tact::to_wire(Vec3(R_WO * from.N), to.N_W);
     tact::to_wire(Vec3(R_WO * from.g), to.grad_W);
     to.depth_m = from.depth_m;
     to.weight = from.weight;
-    tact::to_wire(Vec3(from.weight * in.stiffness_n_per_m * from.depth_m * N_W), to.force_W);
+    tact::to_wire(Vec3(from.weight * in.stiffness_n_per_m * from.depth_m * (R_WO * from.e)), to.force_W);
   }
   out = {};
   out.schema = wire::kSchema;

@@ -1,6 +1,7 @@
 #include "contact/stiffness/law.hpp"
 
 #include <array>
+#include <cmath>
 #include <string>
 
 #include "contact/stiffness/adaptive.hpp"
@@ -42,7 +43,12 @@ std::unique_ptr<Law> make_law(std::string_view name, const LawParams& params, co
     require(params.p >= 2 && params.p <= 64, "p", params.p, "2 to 64");
     require(params.q >= 1 && params.q <= 64, "q", params.q, "1 to 64");
     require(params.directions >= 32 && params.directions <= 4096, "directions", params.directions, "32 to 4096");
-    return std::make_unique<Potential>(shell, params.p, params.q, params.directions, capacity);
+    // Directions are sqrt(4 pi / n) apart; every normal must reach a few.
+    const double reach_min = 1.5 * 180 / M_PI * std::sqrt(4 * M_PI / params.directions);
+    require(params.reach_deg >= reach_min && params.reach_deg <= 180, "reach_deg", params.reach_deg,
+            (std::to_string(reach_min) + " (for " + std::to_string(params.directions) + " directions) to 180").c_str());
+    const Potential::Params potential{params.p, params.q, params.directions, params.reach_deg * M_PI / 180};
+    return std::make_unique<Potential>(shell, potential, capacity);
   }
   std::string known;
   for (std::string_view n : kNames) known += (known.empty() ? "" : ", ") + std::string(n);

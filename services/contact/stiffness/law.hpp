@@ -15,11 +15,13 @@ struct LawParams {
   int n0 = 10;                  ///< eq. 2: contacts before scaling begins. >= 1
   int p = 16;                   ///< potential: exponent of the depths. [2, 64]
   int q = 8;                    ///< potential: sharpness of beta. [1, 64]
-  int directions = 162;         ///< potential: directions on the sphere. [32, 4096]
+  double reach_deg = 60;        ///< potential: beta is zero beyond this angle. [86 / sqrt(directions / 16), 180]
+  int directions = 64;          ///< potential: directions on the sphere. [32, 4096]
   double lever_floor_m = 1e-3;  ///< adaptive-6dof: |r x N| below which T fades to zero, see adaptive.hpp. > 0
 };
 
-/// Rescales the stiffness of each contact: force of contact i = w_i k depth_i along N_i. A lonely contact has w = 1.
+/// Rescales the stiffness of each contact: force of contact i = w_i k depth_i e_i, e_i = contacts.force_direction(i). A
+/// lonely contact has w = 1.
 ///
 /// A law belongs to one rigid shell: normals and torque directions turn together with the tool, so whatever depends
 /// on angles between them is prepared per point when the law is made. Building allocates; serving never does.
@@ -36,7 +38,7 @@ class Law {
 
   /// Takes the stiffness sums of the contacts weighed last from fixed weights to weights that follow the depths:
   ///   ss = sum_i w_i s_i s_i^T  ->  sum_ij s_i H_ij s_j^T,   sh = sum_i w_i s_i sh_i^T  ->  sum_ij s_i H_ij sh_j^T
-  /// where H_ij = d(w_i depth_i)/d depth_j, s = (N, r x N), sh = (g, r x g). Laws whose weights do not depend on the
+  /// where H_ij = d(w_i depth_i)/d depth_j, s = (e, r x e), sh = (g, r x g). Laws whose weights do not depend on the
   /// depths leave both as they are: their weights are constant while the contact set is. Real-time.
   virtual void include_weight_derivative(Mat6& ss, Mat6& sh) const noexcept;
 };

@@ -17,76 +17,101 @@ double power(double x, int n) noexcept {
   return result;
 }
 
-double normalisation(const PotentialDirections& u, int p, int q) { return (2.0 * q / p + 1.0) / u.count; }
-
-/// gamma of a normal: a lonely contact weighs c gamma^2 sum_u beta^(2/p) = 1.
-double lonely_scale(const PotentialDirections& u, int p, int q, const Vec3& n) {
-  double sum = 0;
-  for (std::size_t j = 0; j < static_cast<std::size_t>(u.count); ++j) {
-    const double t = 0.5 + n.x() * u.x[j] + n.y() * u.y[j] + n.z() * u.z[j];
-    sum += std::pow(std::max(t, 0.0), 2.0 * q / p);
-  }
-  return 1.0 / std::sqrt(normalisation(u, p, q) * sum);
-}
-
 }  // namespace
 
-Potential::Potential(const Pointshell& shell, int p, int q, int directions, std::size_t capacity)
-    : p_(p), q_(q), directions_(directions), work_(0) {
+std::vector<Vec3> Potential::directions(int count) {
+  std::vector<Vec3> u;
+  const double golden_angle = M_PI * (3.0 - std::sqrt(5.0));
+  for (int j = 0; j < count; ++j) {
+    const double height = 1.0 - (2.0 * j + 1.0) / count;
+    const double radius = std::sqrt(1.0 - height * height), angle = golden_angle * j;
+    u.emplace_back(radius * std::cos(angle), radius * std::sin(angle), height);
+  }
+  return u;
+}
+
+Potential::Potential(const Pointshell& shell, const Params& params, std::size_t capacity)
+    : p_(params.p), work_(0, static_cast<std::size_t>(params.directions)) {
   std::vector<Vec3> normals(shell.size());
   for (std::size_t i = 0; i < normals.size(); ++i) normals[i] = shell.normal_T[i].cast<double>().normalized();
   DistinctDirections distinct = distinct_directions(normals);
   class_of_ = std::move(distinct.class_of);
   classes_.reserve(distinct.direction.size());
-  for (const Vec3& n : distinct.direction) classes_.push_back({n, lonely_scale(directions_, p, q, n), 0, 0});
-  work_ = PotentialWorkspace(std::min(capacity, classes_.size()));
+  const std::vector<Vec3> u = directions(params.directions);
+  for (const Vec3& n : distinct.direction) classes_.push_back(make_class(n, u, params));
+  work_ = PotentialWorkspace(std::min(capacity, classes_.size()), u.size());
+}
+
+Potential::Class Potential::make_class(const Vec3& n_T, const std::vector<Vec3>& u, const Params& params) {
+  const double limit = std::cos(params.reach_rad);
+  const auto begin = static_cast<std::uint32_t>(supports_.beta.size());
+  double lonely = 0;
+  for (std::size_t j = 0; j < u.size(); ++j) {
+    const double t = (n_T.dot(u[j]) - limit) / (1 - limit);
+    if (t <= 0) continue;
+    const auto beta = static_cast<float>(power(t, params.q));
+    if (beta < 1e-30f) continue;
+    supports_.direction.push_back(static_cast<std::uint16_t>(j));
+    supports_.beta.push_back(beta);
+    lonely += std::pow(static_cast<double>(beta), 2.0 / params.p);
+  }
+  return {{begin, static_cast<std::uint32_t>(supports_.beta.size())}, 1 / std::sqrt(lonely), 0, 0};
 }
 
 void Potential::weigh(ContactBuffer& contacts) noexcept {
   ++tick_;
   work_.size = 0;
+  work_.symmetric = true;
   double deepest = 0;
-  for (std::size_t i = 0; i < contacts.size; ++i) deepest = std::max(deepest, contacts.depth_m[i]);
+  for (std::size_t i = 0; i < contacts.size; ++i) {
+    deepest = std::max(deepest, contacts.depth_m[i]);
+    work_.symmetric = work_.symmetric && &contacts.force_direction(i) == &contacts.g[i];
+  }
 
+  const double inverse = deepest > 0 ? 1 / deepest : 0;
   for (std::size_t i = 0; i < contacts.size; ++i) {
     Class& c = classes_[class_of_[contacts.point_id[i]]];
     if (c.tick != tick_) {
       c.tick = tick_;
       c.group = static_cast<std::uint32_t>(work_.size++);
-      work_.group[c.group] = {{c.n_T.x(), c.n_T.y(), c.n_T.z()}, 0, {}};
+      PotentialGroup& fresh = work_.group[c.group];
+      fresh.support = c.support;
+      fresh.own = {};
+      if (!work_.symmetric) fresh.other = {};
     }
     PotentialGroup& group = work_.group[c.group];
-    const double rho = c.gamma * contacts.depth_m[i] / deepest;
-    const double slope = power(rho, p_ - 1);
-    group.power += slope * rho;
-    const Vec3& r = contacts.r[i];
-    const Vec3& N = contacts.N[i];
-    const Vec3& g = contacts.g[i];
-    const Vec3 rxN = r.cross(N), rxg = r.cross(g);
+    const double rho = c.gamma * inverse * contacts.depth_m[i];
+    const double bend = power(rho, p_ - 2), slope = bend * rho;
+    contacts.weight[i] = c.gamma * c.gamma * bend;  // times the group's sum, below
+    group.own.v[0] += slope * rho;
     const double y = c.gamma * slope;
+    const Vec3& r = contacts.r[i];
+    const Vec3& e = contacts.force_direction(i);
+    const Vec3 rxe = r.cross(e);
     for (int a = 0; a < 3; ++a) {
-      group.moment[a] += y * N[a];
-      group.moment[3 + a] += y * rxN[a];
-      group.moment[6 + a] += y * g[a];
-      group.moment[9 + a] += y * rxg[a];
+      group.own.v[1 + a] += y * e[a];
+      group.own.v[4 + a] += y * rxe[a];
+    }
+    if (work_.symmetric) continue;
+    const Vec3& g = contacts.g[i];
+    const Vec3 rxg = r.cross(g);
+    for (int a = 0; a < 3; ++a) {
+      group.other.v[1 + a] += y * g[a];
+      group.other.v[4 + a] += y * rxg[a];
     }
   }
-  run_potential(directions_, p_, q_, work_);
+  run_potential(supports_, p_, work_);
 
-  const double c = normalisation(directions_, p_, q_);
   for (std::size_t i = 0; i < contacts.size; ++i) {
-    const Class& k = classes_[class_of_[contacts.point_id[i]]];
-    const double rho = k.gamma * contacts.depth_m[i] / deepest;
-    contacts.weight[i] = c * k.gamma * k.gamma * power(rho, p_ - 2) * work_.sum[k.group];
+    contacts.weight[i] *= work_.sum[classes_[class_of_[contacts.point_id[i]]].group];
   }
 }
 
-/// H_ij = (p-1) w_i [i=j] - (p-2) c sum_u A_u^(2/p-2) y_iu y_ju, y_iu = beta_iu gamma_i rho_i^(p-1): the Hessian of E/k
+/// H_ij = (p-1) w_i [i=j] - (p-2) sum_u A_u^(2/p-2) y_iu y_ju, y_iu = beta_iu gamma_i rho_i^(p-1): the Hessian of E/k
 /// in the depths, positive semidefinite as E is convex in them.
 void Potential::include_weight_derivative(Mat6& ss, Mat6& sh) const noexcept {
-  const double c = normalisation(directions_, p_, q_);
-  ss = (p_ - 1) * ss - (p_ - 2) * c * work_.ss;
-  sh = (p_ - 1) * sh - (p_ - 2) * c * work_.sh;
+  ss = (p_ - 1) * ss - (p_ - 2) * work_.ss;
+  sh = (p_ - 1) * sh - (p_ - 2) * work_.sh;
 }
 
 }  // namespace tact::contact

@@ -1,45 +1,50 @@
 #pragma once
-#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "math/pose.hpp"
 
 namespace tact::contact {
 
-/// Contacts of equal normal, summed: rho = gamma depth / largest depth, s = (N, r x N), sh = (g, r x g).
-struct PotentialGroup {
-  double n[3];        ///< unit normal, in the directions' frame
-  double power;       ///< sum rho^p
-  double moment[12];  ///< sum gamma rho^(p-1) (s, sh)
+/// Where beta of one normal is not zero: directions[begin, end) of PotentialSupports.
+struct PotentialSupport {
+  std::uint32_t begin, end;
 };
 
-/// The fixed directions u on the sphere, structure of arrays, padded to whole vectors.
-struct PotentialDirections {
-  static constexpr std::size_t kPadding = 8;  ///< doubles in the widest vector used
+/// The supports of all normals of a shell, one behind the other.
+struct PotentialSupports {
+  std::vector<std::uint16_t> direction;
+  std::vector<float> beta;  ///< in (0, 1]
+};
 
-  explicit PotentialDirections(int count);
-  std::size_t padded() const { return x.size(); }
+/// Eight doubles in one cache line.
+struct alignas(64) PotentialRow {
+  double v[8] = {};
+};
 
-  int count;
-  std::vector<double> x, y, z;  ///< u / 2
-  std::vector<double> active;   ///< 1, or 0 for padding
+/// Contacts of equal normal, summed: rho = gamma depth / largest depth, s = (e, r x e), sh = (g, r x g).
+struct PotentialGroup {
+  PotentialRow own;    ///< (sum rho^p, sum gamma rho^(p-1) s, 0)
+  PotentialRow other;  ///< (0, sum gamma rho^(p-1) sh, 0); not read when symmetric
+  PotentialSupport support;
 };
 
 /// Scratch and results of run_potential, for at most `capacity` groups.
 struct PotentialWorkspace {
-  explicit PotentialWorkspace(std::size_t capacity);
+  PotentialWorkspace(std::size_t capacity, std::size_t directions);
 
-  std::size_t size = 0;  ///< groups in use
+  std::size_t size = 0;    ///< groups in use
+  bool symmetric = false;  ///< e = g in all contacts: sh = s
   std::vector<PotentialGroup> group;
-  std::vector<double> beta;     ///< scratch: beta of each group for one vector of directions
-  std::vector<double> partial;  ///< scratch: lane sums of `sum`
-  std::vector<double> sum;      ///< result, per group: sum_u beta A_u^(2/p-1)
-  Mat6 ss, sh;                  ///< result: sum_u A_u^(2/p-2) S_u (S_u, Sh_u)^T, (S_u, Sh_u) = sum beta moment
+  std::vector<PotentialRow> own, other;  ///< scratch, per direction: (A, S, 0) and (0, Sh, 0)
+  std::vector<double> a, scale, slope;   ///< scratch, per direction, padded to whole vectors
+  std::vector<double> sum;               ///< result, per group: sum_u beta A_u^(2/p-1)
+  Mat6 ss, sh;  ///< result: sum_u A_u^(2/p-2) S_u (S_u, Sh_u)^T, (A_u, S_u), (0, Sh_u) = sum beta (own, other)
 };
 
-/// A_u = sum beta(n.u) power, and what follows from it; beta(x) = ((1+x)/2)^q. Directions with A_u = 0 add nothing.
-/// The widest SIMD the processor has is chosen at run time. Real-time: does not allocate, lock or throw.
-void run_potential(const PotentialDirections& directions, int p, int q, PotentialWorkspace& work) noexcept;
+/// The sums over all groups and what follows from them. Directions with A_u = 0 add nothing. The widest SIMD the
+/// processor has is chosen at run time. Real-time: does not allocate, lock or throw.
+void run_potential(const PotentialSupports& supports, int p, PotentialWorkspace& work) noexcept;
 
 }  // namespace tact::contact

@@ -24,8 +24,8 @@ struct SceneInfo {
 };
 
 struct Contact {
-  Vec3 p_W, N_W;  ///< N: unit inward normal of the tool, the direction of the force on it
-  Vec3 force_W;   ///< N
+  Vec3 p_W, N_W;  ///< N: unit inward normal of the tool
+  Vec3 force_W;   ///< N, of the field body on the tool
   double depth_m = 0, weight = 0;
 };
 

@@ -37,6 +37,7 @@ Session full_session(const TempFolder& folder) {
   s.scene.contact.law = "adaptive-6dof";
   s.scene.contact.stiffness_n_per_m = 1234.5;
   s.scene.contact.f_max_n = 7;
+  s.scene.contact.force_along = "normal";
   s.scene.contact.directions = 42;
   s.scene.coupling.saturation = false;
   s.scene.coupling.rotation_locked = true;
@@ -83,6 +84,7 @@ TEST(Session, ReadsBackExactlyWhatWasSaved) {
   EXPECT_EQ(read.scene.start_X_WM.q.coeffs(), saved.scene.start_X_WM.q.coeffs());
   EXPECT_EQ(read.scene.goal_X_WM->p, saved.scene.goal_X_WM->p);
   EXPECT_EQ(read.scene.contact.f_max_n, 7);
+  EXPECT_EQ(read.scene.contact.force_along, "normal");
   EXPECT_EQ(read.scene.contact.directions, 42);
   EXPECT_FALSE(read.scene.coupling.saturation);
   EXPECT_TRUE(read.scene.coupling.rotation_locked);

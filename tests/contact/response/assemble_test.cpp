@@ -13,22 +13,30 @@ namespace {
 
 using test::ContactSet;
 
-/// An analytic field: value and gradient at a point of O.
+/// An analytic field: value, gradient and second derivative at a point of O.
 struct Field {
   std::function<double(const Vec3&)> value;
   std::function<Vec3(const Vec3&)> gradient;
+  std::function<Mat3(const Vec3&)> curvature;
 };
 
 Field half_space() {
-  return {[](const Vec3& p) { return p.z(); }, [](const Vec3&) { return Vec3(Vec3::UnitZ()); }};
+  return {[](const Vec3& p) { return p.z(); }, [](const Vec3&) { return Vec3(Vec3::UnitZ()); },
+          [](const Vec3&) { return Mat3(Mat3::Zero()); }};
 }
 Field sphere(double radius) {
-  return {[=](const Vec3& p) { return p.norm() - radius; }, [](const Vec3& p) { return Vec3(p.normalized()); }};
+  return {[=](const Vec3& p) { return p.norm() - radius; }, [](const Vec3& p) { return Vec3(p.normalized()); },
+          [](const Vec3& p) {
+            const Vec3 n = p.normalized();
+            return Mat3((Mat3::Identity() - n * n.transpose()) / p.norm());
+          }};
 }
 
 /// The contacts of a fixed set of points at a pose: no point joins or leaves, so the wrench is differentiable.
-ContactBuffer contacts_at(const ContactSet& points, const Field& field, const Pose& X_OT) {
+ContactBuffer contacts_at(const ContactSet& points, const Field& field, const Pose& X_OT,
+                          ForceDirection along = ForceDirection::gradient) {
   ContactBuffer b(points.size());
+  b.force_along = along;
   b.size = points.size();
   for (std::size_t i = 0; i < b.size; ++i) {
     const Vec3 p_O = X_OT * points.r[i];
@@ -70,7 +78,19 @@ TEST(Assemble, APointInAPlaneIsPushedOutAsByASpring) {
   EXPECT_EQ(a.B.norm(), 0);
 }
 
-/// G against central differences of the wrench, for every law, with the contact set frozen.
+/// How forces along g turn as the field's own gradient does: what assemble leaves out of G.
+Mat6 from_curvature(const ContactBuffer& weighed, const Field& field, double k) {
+  Mat6 out = Mat6::Zero();
+  for (std::size_t i = 0; i < weighed.size; ++i) {
+    Eigen::Matrix<double, 3, 6> moved;
+    moved << Mat3::Identity(), -skew(weighed.r[i]);
+    const Mat3 turn = k * weighed.weight[i] * weighed.depth_m[i] * field.curvature(weighed.r[i]);
+    out += moved.transpose() * turn * moved;
+  }
+  return out;
+}
+
+/// G against central differences of the wrench, for every law and direction of force, with the contact set frozen.
 TEST(Assemble, GIsTheDerivativeOfTheWrenchForEveryLaw) {
   std::mt19937 rng(21);
   for (const Field& field : {half_space(), sphere(0.05)}) {
@@ -79,21 +99,75 @@ TEST(Assemble, GIsTheDerivativeOfTheWrenchForEveryLaw) {
     LawParams params;
     params.epsilon = 0.2;  // so that the adaptive laws have something to weigh
     for (const std::string_view name : law_names()) {
-      const auto law = make_law(name, params, points.shell(), points.size());
-      const double k = 2e4;
-      const Mat6 G = respond(*law, contacts_at(points, field, X_OT), k).G;
-      Mat6 numeric;
-      for (int c = 0; c < 6; ++c) {
-        const double step = c < 3 ? 1e-7 : 1e-6;
-        const Vec6 dx = step * Vec6::Unit(c);
-        const Vec6 plus = respond(*law, contacts_at(points, field, displaced(X_OT, dx)), k).F.vector();
-        const Vec6 minus = respond(*law, contacts_at(points, field, displaced(X_OT, -dx)), k).F.vector();
-        numeric.col(c) = (plus - minus) / (2 * step);
+      for (const ForceDirection along : {ForceDirection::gradient, ForceDirection::normal}) {
+        const auto law = make_law(name, params, points.shell(), points.size());
+        const double k = 2e4;
+        ContactBuffer here = contacts_at(points, field, X_OT, along);
+        law->weigh(here);
+        Mat6 G = assemble(here, *law, k, 0, {}).G;
+        if (along == ForceDirection::gradient) G += from_curvature(here, field, k);
+        Mat6 numeric;
+        for (int c = 0; c < 6; ++c) {
+          const double step = c < 3 ? 1e-7 : 1e-6;
+          const Vec6 dx = step * Vec6::Unit(c);
+          const auto wrench = [&](const Vec6& x) {
+            return respond(*law, contacts_at(points, field, displaced(X_OT, x), along), k).F.vector();
+          };
+          numeric.col(c) = (wrench(dx) - wrench(-dx)) / (2 * step);
+        }
+        EXPECT_LT((G - numeric).norm(), 1e-5 * G.norm()) << name << "\n" << G << "\n\n" << numeric;
+        EXPECT_LT((G.bottomRows<3>() - numeric.bottomRows<3>()).norm(), 1e-4 * G.bottomRows<3>().norm()) << name;
       }
-      EXPECT_LT((G - numeric).norm(), 1e-5 * G.norm()) << name << "\n" << G << "\n\n" << numeric;
-      EXPECT_LT((G.bottomRows<3>() - numeric.bottomRows<3>()).norm(), 1e-4 * G.bottomRows<3>().norm()) << name;
     }
   }
+}
+
+/// The points of a set that are inside the field at a pose.
+ContactBuffer touching(const ContactSet& points, const Field& field, const Pose& X_OT, ForceDirection along) {
+  const ContactBuffer all = contacts_at(points, field, X_OT, along);
+  ContactBuffer b(points.size());
+  b.force_along = along;
+  for (std::size_t i = 0; i < all.size; ++i) {
+    if (all.depth_m[i] <= 0) continue;
+    b.point_id[b.size] = all.point_id[i];
+    b.r[b.size] = all.r[i];
+    b.N[b.size] = all.N[i];
+    b.g[b.size] = all.g[i];
+    b.depth_m[b.size++] = all.depth_m[i];
+  }
+  return b;
+}
+
+/// Once round: into contact, along and turning, out again, while points join and leave. Relative to the work done on
+/// the way in.
+double net_work(const std::string& name, ForceDirection along) {
+  std::mt19937 rng(31);
+  const Field field = sphere(0.05);
+  const ContactSet points = points_in(field, rng, 200, 0.05);
+  const auto law = make_law(name, {}, points.shell(), points.size());
+  const int steps = 20000;
+  const auto pose = [&](int step) {
+    const double angle = 2 * std::numbers::pi * step / steps;
+    return Pose{Vec3(1e-3 * std::cos(angle), 2e-3 * std::sin(angle), 1e-3 * std::sin(2 * angle)),
+                exp_so3(Vec3(0.02 * std::sin(angle), 0.03 * std::cos(angle), 0.01 * std::cos(3 * angle)))};
+  };
+  double net = 0, absolute = 0;
+  for (int step = 0; step < steps; ++step) {
+    const Vec6 dx = displacement(pose(step), pose(step + 1));
+    const Pose middle = displaced(pose(step), 0.5 * dx);
+    const double work = respond(*law, touching(points, field, middle, along), 2e4).F.vector().dot(dx);
+    net += work;
+    absolute += std::fabs(work);
+  }
+  return net / absolute;
+}
+
+TEST(Assemble, AlongTheGradientNoWorkIsDoneRoundAClosedPath) {
+  EXPECT_LT(std::fabs(net_work("none", ForceDirection::gradient)), 1e-5);
+  EXPECT_LT(std::fabs(net_work("potential", ForceDirection::gradient)), 1e-5);
+  // Along the points' normals, or with weights that follow the number of contacts, energy comes and goes.
+  EXPECT_GT(std::fabs(net_work("none", ForceDirection::normal)), 1e-4);
+  EXPECT_GT(std::fabs(net_work("potential", ForceDirection::normal)), 1e-4);
 }
 
 TEST(Assemble, KIsSymmetricAndPositiveSemidefiniteForEveryLaw) {
