@@ -139,16 +139,17 @@ void add_links(Assembly& a) {
     a.add(plate(convex_hull(lower_lug), {circle(15.4, a.sides(15.4), lower)}, side < 0 ? -32 : 8, side < 0 ? -8 : 32),
           kSide);
     // Side braces from the middle collar to the trunnion.
-    const Vec3 from(0, side * 230, 1790), to(0, side * 456, 2540);
+    const Vec3 from(0, side * 230, 1764), to(0, side * 462, 2562);
     const Vec3 way = (to - from).normalized();
     a.bar(from + 10 * way, to - 6 * way, 34);
     a.turned({{34.2, 0}, {46, 0}, {46, 40}, {34.2, 40}}, frame(from + 0.5 * (to - from), way), 3);
     a.block({-50, side < 0 ? -280. : 165 + kSeam, 1700}, {50, side < 0 ? -165 - kSeam : 280., 1760}, 2, 14, 3);
   }
   for (const double side : {-1.0, 1.0}) {  // drag brace
-    const Vec3 from(-186, side * 70, 1760), to(-1040, side * 240, 2600);
+    const Vec3 from(-212, side * 74, 1780), to(-1040, side * 240, 2600);
     const Vec3 way = (to - from).normalized();
-    a.bar(from + 20 * way, to - 20 * way, 40);
+    a.block({-250, side * 74 - 30, 1690}, {-166, side * 74 + 30, 1756}, 1, 16, 3);
+    a.bar(from + 10 * way, to - kSeam * way, 40);
     for (const double at : {0.2, 0.5, 0.8}) {
       a.turned({{40.2, 0}, {50, 0}, {50, 36}, {40.2, 36}}, frame(from + at * (to - from), way), 3);
     }

@@ -85,7 +85,7 @@ std::map<std::string, HandMotion> stored_motions() {
           {"two-walls-press.csv", straight({{0, 0, 0.012}, {0, 0, -0.002}}, {2})},
           {"peg-press.csv", straight({{0, 0, 0.002}, {0.0105, 0, 0.002}}, {2})},
           {"peg-round-press.csv", straight({{0, 0, 0.002}, {0.008, 0, -0.006}}, {2})},
-          {"wedge-press.csv", straight({{0, 0, 0.002}, {0, 0, -0.006}}, {2})},
+          {"wedge-press.csv", straight({{0, 0, 0.002}, {0, 0, -0.04}}, {2.5})},
           {"engine-insert.csv", std::move(engine.insert)},
           {"engine-cheat.csv", std::move(engine.cheat)},
           {"landing-gear-insert.csv", std::move(gear.insert)},
