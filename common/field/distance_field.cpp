@@ -76,38 +76,38 @@ DistanceField make_field(FieldParts parts, std::uint64_t content_hash) {
 }
 
 namespace {
-/// For a point outside the grid and any q inside it: |p - q|^2 >= |p - p'|^2 + |p' - q|^2, p' the nearest point of the
-/// grid (a convex box). Combines the distance to the grid with a promise made at p'.
-double beyond(double to_grid_m, double at_nearest_m) noexcept {
-  return std::hypot(to_grid_m, std::max(0.0, at_nearest_m));
+
+/// For a point p outside the grid, p' the nearest point of the grid (a convex box) and any q inside it:
+/// |p - q|^2 >= |p - p'|^2 + |p' - q|^2. Combines the distance to the grid with a promise made at p'.
+double beyond(double to_grid_m, double at_nearest_m, double slack_m) noexcept {
+  const double a = std::max(0.0, to_grid_m - slack_m), b = std::max(0.0, at_nearest_m - slack_m);
+  return std::sqrt(a * a + b * b);
 }
 
-/// A hair inside the grid, so that the point has a cell.
-Vec3 nearest_in_grid(const Vec3& p_O, const Vec3& min_O, const Vec3& max_O, double voxel_m) noexcept {
-  const Vec3 inset = Vec3::Constant(1e-6 * voxel_m);
-  return p_O.cwiseMax(min_O + inset).cwiseMin(max_O - inset);
-}
 }  // namespace
 
-double DistanceField::outside_clearance(const Vec3& p_O) const noexcept {
-  if (!p_O.allFinite()) return -band_m_;
-  const Vec3 nearest = nearest_in_grid(p_O, min_O_, max_O(), voxel_m_);
-  return beyond(std::max(0.0, (p_O - nearest).norm() - 1e-5 * voxel_m_), probe(nearest).clearance_m - 1e-5 * voxel_m_);
+double DistanceField::outside_clearance(const Vec3& u) const noexcept {
+  if (!(std::fabs(u.x()) + std::fabs(u.y()) + std::fabs(u.z()) < kFarthest)) return -band_m_;  // NaN too
+  const Vec3 nearest = u.cwiseMax(kInset).cwiseMin((cells_.array() - kInset).matrix());
+  double square = 0;
+  for (int i = 0; i < 3; ++i) square += (u[i] - nearest[i]) * (u[i] - nearest[i]);
+  return beyond(voxel_m_ * std::sqrt(square), probe_cell(cell_at(nearest)).clearance_m, kInsetSlack * voxel_m_);
 }
 
 double DistanceField::lower_bound(const Vec3& p_O) const noexcept {
   const Cell c = find(p_O);
   if (c.entry == nullptr) {
     if (!p_O.allFinite()) return -band_m_;
-    const Vec3 nearest = nearest_in_grid(p_O, min_O_, max_O(), voxel_m_);
-    return beyond(std::max(0.0, (p_O - nearest).norm() - 1e-5 * voxel_m_), lower_bound(nearest) - 1e-5 * voxel_m_);
+    const Vec3 inset = Vec3::Constant(kInset * voxel_m_);
+    const Vec3 nearest = p_O.cwiseMax(min_O_ + inset).cwiseMin(max_O() - inset);
+    return beyond((p_O - nearest).norm(), lower_bound(nearest), kInsetSlack * voxel_m_);
   }
   if (!c.entry->stored()) return c.entry->inside() ? -band_m_ : coarse_distance(c);
   // Corners are exact to half a step, and the distance is 1-Lipschitz: the mean of eight corners errs by at most
   // their mean distance, sqrt(3)/2 h.
   constexpr double kHalfDiagonal = 0.8661;
   const double value = probe(p_O).value_m - kHalfDiagonal * voxel_m_ - scale_m_;
-  return std::min(value, coarse_distance(c));
+  return c.entry->promise > 0 ? value : std::min(value, 0.0);  // the sign may be wrong near jumps
 }
 
 }  // namespace tact

@@ -57,6 +57,22 @@ class DistanceField {
   /// nothing can be promised. One block look-up; sharper near the surface than lower_bound() (README).
   Probe probe(const Vec3& p_O) const noexcept;
 
+  /// Points as three arrays.
+  struct Points {
+    const double *x_O, *y_O, *z_O;
+    std::size_t size;
+  };
+  struct Samples {
+    double *value_m, *gx, *gy, *gz;
+    std::uint8_t* flags;  ///< kInBand, kDoubtful
+  };
+  static constexpr std::uint8_t kInBand = 1, kDoubtful = 2;
+
+  /// Many points at once: for each, bit for bit what probe() and sample() answer. Several times faster: arithmetic with
+  /// the widest SIMD the processor has, and the memory accesses of many points under way together.
+  void probe(const Points& points, double* value_m, double* clearance_m) const noexcept;
+  void sample(const Points& points, const Samples& samples) const noexcept;
+
   double voxel_m() const noexcept { return voxel_m_; }
   double band_m() const noexcept { return band_m_; }
   Vec3 min_O() const noexcept { return min_O_; }  ///< corners of the grid
@@ -66,28 +82,33 @@ class DistanceField {
   bool empty() const noexcept { return coarse_ == nullptr; }
 
  private:
+  friend struct BatchAccess;
   friend DistanceField make_field(FieldParts parts, std::uint64_t content_hash);
   friend DistanceField view_field(const FieldParts& parts);
   struct Cell {
     const CoarseEntry* entry = nullptr;  ///< null: outside the grid
     Vec3 u;                              ///< grid coordinates, in cells
-    int block[3];                        ///< block indices
+    int block[3] = {};                   ///< block indices
   };
   Cell find(const Vec3& p_O) const noexcept;
+  Cell cell_at(const Vec3& u) const noexcept;  ///< @pre u inside the grid
   /// The eight corners of the cell holding c.u and the place in it.
   struct Corners {
     double v[8];  ///< x fastest, metres
     double f[3];  ///< in [0, 1]
   };
   Corners corners(const Cell& c) const noexcept;
-  double outside_clearance(const Vec3& p_O) const noexcept;
+  Probe probe_cell(const Cell& c) const noexcept;
+  double outside_clearance(const Vec3& u) const noexcept;
   double coarse_distance(const Cell& c) const noexcept;
   void adopt(const FieldGrid& grid, const CoarseEntry* coarse, const FieldBlock* blocks) noexcept;
 
+  /// Points farther than this, in cells, count as not finite.
+  static constexpr double kFarthest = 1e100;
+  /// The nearest point of the grid to a point outside it is taken a hair inside, in cells, so that it has a cell.
+  static constexpr double kInset = 1e-6, kInsetSlack = 1e-5;
   /// A zero of the interpolated field lies within sqrt(3) h of the body's boundary (README), plus rounding.
   static constexpr double kFarSlack = 1.74;
-  /// Just below 1/sqrt(3): rounding of stored values included.
-  static constexpr double kInverseSlope = 0.577;
 
   const CoarseEntry* coarse_ = nullptr;
   const FieldBlock* blocks_ = nullptr;
@@ -107,6 +128,12 @@ inline DistanceField::Cell DistanceField::find(const Vec3& p_O) const noexcept {
         c.u.z() < cells_.z())) {
     return c;
   }
+  return cell_at(c.u);
+}
+
+inline DistanceField::Cell DistanceField::cell_at(const Vec3& u) const noexcept {
+  Cell c;
+  c.u = u;
   for (int i = 0; i < 3; ++i) c.block[i] = static_cast<int>(c.u[i]) / kBlockCells;
   c.entry = coarse_ + static_cast<std::size_t>(c.block[2]) * slice_ + static_cast<std::size_t>(c.block[1]) * row_ +
             static_cast<std::size_t>(c.block[0]);
@@ -134,7 +161,7 @@ inline double DistanceField::coarse_distance(const Cell& c) const noexcept {
     const double d = c.u[i] - (c.block[i] + 0.5) * kBlockCells;
     square += d * d;
   }
-  return static_cast<double>(c.entry->centre_distance_m) - voxel_m_ * std::sqrt(square);
+  return static_cast<double>(c.entry->promise) - voxel_m_ * std::sqrt(square);
 }
 
 inline DistanceField::Sample DistanceField::sample(const Vec3& p_O) const noexcept {
@@ -157,7 +184,11 @@ inline DistanceField::Sample DistanceField::sample(const Vec3& p_O) const noexce
 
 inline DistanceField::Probe DistanceField::probe(const Vec3& p_O) const noexcept {
   const Cell c = find(p_O);
-  if (c.entry == nullptr) return {band_m_, outside_clearance(p_O)};
+  if (c.entry == nullptr) return {band_m_, outside_clearance(c.u)};
+  return probe_cell(c);
+}
+
+inline DistanceField::Probe DistanceField::probe_cell(const Cell& c) const noexcept {
   if (!c.entry->stored()) {
     if (c.entry->inside()) return {-band_m_, -band_m_};
     return {band_m_, coarse_distance(c) - kFarSlack * voxel_m_};
@@ -167,9 +198,7 @@ inline DistanceField::Probe DistanceField::probe(const Vec3& p_O) const noexcept
   const double value = ((k.v[0] * ex + k.v[1] * fx) * ey + (k.v[2] * ex + k.v[3] * fx) * fy) * ez +
                        ((k.v[4] * ex + k.v[5] * fx) * ey + (k.v[6] * ex + k.v[7] * fx) * fy) * fz;
   const double clamped = value < -band_m_ ? -band_m_ : value > band_m_ ? band_m_ : value;
-  const double steepest = kInverseSlope * clamped;  // trilinear in 1-Lipschitz corners: slope at most sqrt(3)
-  const double limit = coarse_distance(c);          // of jumps near by; infinite in a sound field
-  return {clamped, steepest < limit ? steepest : limit};
+  return {clamped, clamped * static_cast<double>(c.entry->promise)};
 }
 
 }  // namespace tact

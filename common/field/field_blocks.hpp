@@ -7,7 +7,7 @@
 
 namespace tact {
 
-/// The stored form of a DistanceField, shared by the sampler, the builder and the file (schema 1).
+/// The stored form of a DistanceField, shared by the sampler, the builder and the file (schema 2).
 ///
 /// Space is nb.x * nb.y * nb.z blocks of 8x8x8 cells. Each block has an 8-byte coarse entry; the entry of a block that
 /// the band touches names one FieldBlock.
@@ -30,7 +30,10 @@ struct CoarseEntry {
   static constexpr std::uint32_t kNotStored = kSlotMask;
 
   std::uint32_t slot_and_flags = kNotStored;
-  float centre_distance_m = 0;  ///< conservative unsigned distance of the block's centre to the body's boundary
+  /// Not stored: conservative unsigned distance of the block's centre to the body's boundary, m.
+  /// Stored: 1 / steepest slope of positive values within the band of this block, at most 1: no sample is negative
+  /// nearer than `promise` times the value. 0 near jumps of the sign. Set by finish().
+  float promise = 0;
 
   std::uint32_t slot() const noexcept { return slot_and_flags & kSlotMask; }
   bool stored() const noexcept { return slot() != kNotStored; }

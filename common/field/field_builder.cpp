@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "fault/fault.hpp"
@@ -11,8 +10,6 @@
 
 namespace tact {
 namespace {
-
-constexpr float kUnlimited = std::numeric_limits<float>::infinity();
 
 std::int16_t to_steps(float value_m, double inverse_step) {
   return static_cast<std::int16_t>(std::lround(std::clamp(value_m * inverse_step, -32767.0, 32767.0)));
@@ -60,6 +57,58 @@ bool face_denies(const FieldBlock& block, int axis, bool upper, bool inside) {
   return false;
 }
 
+/// Whether two stored neighbours disagree about a corner of the face they share; `next` is the upper one.
+bool corners_differ(const FieldBlock& block, const FieldBlock& next, int axis) {
+  for (int a = 0; a < kBlockCorners; ++a) {
+    for (int b = 0; b < kBlockCorners; ++b) {
+      int c[3];
+      c[(axis + 1) % 3] = a;
+      c[(axis + 2) % 3] = b;
+      c[axis] = kBlockCells;
+      const auto above = static_cast<std::size_t>(FieldBlock::index(c[0], c[1], c[2]));
+      c[axis] = 0;
+      if (block.q[above] != next.q[static_cast<std::size_t>(FieldBlock::index(c[0], c[1], c[2]))]) return true;
+    }
+  }
+  return false;
+}
+
+/// Steepest slope of the interpolant in the cells of a block that hold positive values, in steps a cell. In a cell
+/// each partial derivative is bilinear in the two other coordinates, so the squared norm of the gradient is convex in
+/// each coordinate and largest at a corner, where it is that of the three edges that meet there.
+float steepest_slope(const FieldBlock& block) {
+  constexpr int dy = kBlockCorners, dz = kBlockCorners * kBlockCorners;
+  float steepest = 0;
+  for (int z = 0; z < kBlockCells; ++z) {
+    for (int y = 0; y < kBlockCells; ++y) {
+      const std::int16_t* q = &block.q[static_cast<std::size_t>(FieldBlock::index(0, y, z))];
+      float row[kBlockCells];
+      for (int x = 0; x < kBlockCells; ++x) {  // vectorised
+        float v[8];
+        for (int k = 0; k < 8; ++k) v[k] = q[x + (k & 1) + ((k >> 1) & 1) * dy + (k >> 2) * dz];
+        float edge[3][4];  // squares: along x by (y, z), along y by (x, z), along z by (x, y)
+        float most = 0, largest = v[0];
+        for (int k = 0; k < 4; ++k) {
+          const float ex = v[2 * k + 1] - v[2 * k];
+          const float ey = v[(k & 1) + (k >> 1) * 4 + 2] - v[(k & 1) + (k >> 1) * 4];
+          const float ez = v[k + 4] - v[k];
+          edge[0][k] = ex * ex;
+          edge[1][k] = ey * ey;
+          edge[2][k] = ez * ez;
+        }
+        for (int k = 0; k < 8; ++k) {
+          const float square = edge[0][k >> 1] + edge[1][(k & 1) + (k >> 2) * 2] + edge[2][k & 3];
+          most = square > most ? square : most;
+          largest = v[k] > largest ? v[k] : largest;
+        }
+        row[x] = largest > 0 ? most : 0;
+      }
+      for (const float square : row) steepest = std::max(steepest, square);
+    }
+  }
+  return std::sqrt(steepest);
+}
+
 /// Keeps the blocks that hold a value within the band, in order of their index.
 void drop_far_blocks(FieldParts& parts) {
   const double steps = 32767 * parts.grid.band_m / parts.grid.range_m();
@@ -100,7 +149,9 @@ std::vector<std::uint8_t> find_jumps(const FieldParts& parts) {
           const std::size_t j = grid.block_index(n[0], n[1], n[2]);
           const CoarseEntry& next = parts.coarse[j];
           bool denied = false;
-          if (!entry.stored() && !next.stored()) {
+          if (entry.stored() && next.stored()) {
+            denied = corners_differ(parts.blocks[entry.slot()], parts.blocks[next.slot()], axis);
+          } else if (!entry.stored() && !next.stored()) {
             denied = entry.inside() != next.inside();
           } else if (!next.stored()) {
             denied = face_denies(parts.blocks[entry.slot()], axis, true, next.inside());
@@ -113,6 +164,47 @@ std::vector<std::uint8_t> find_jumps(const FieldParts& parts) {
     }
   }
   return jumps;
+}
+
+/// Lowers `value` of each block to the least within `reach` blocks along `axis`. @pre one value a block
+void lowest_nearby(const FieldGrid& grid, int axis, int reach, std::vector<float>& value) {
+  const std::array<int, 3>& n = grid.blocks;
+  const auto along = static_cast<std::size_t>(axis);
+  std::vector<float> line(static_cast<std::size_t>(n[along]));
+  int b[3];
+  const auto index = [&] { return grid.block_index(b[0], b[1], b[2]); };
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  for (b[v] = 0; b[v] < n[static_cast<std::size_t>(v)]; ++b[v]) {
+    for (b[u] = 0; b[u] < n[static_cast<std::size_t>(u)]; ++b[u]) {
+      for (b[axis] = 0; b[axis] < n[along]; ++b[axis]) line[static_cast<std::size_t>(b[axis])] = value[index()];
+      for (b[axis] = 0; b[axis] < n[along]; ++b[axis]) {
+        float& lowest = value[index()];
+        for (int k = std::max(0, b[axis] - reach); k <= std::min(n[along] - 1, b[axis] + reach); ++k) {
+          lowest = std::min(lowest, line[static_cast<std::size_t>(k)]);
+        }
+      }
+    }
+  }
+}
+
+/// Sets CoarseEntry::promise of the stored blocks: a ball no larger than the band reaches the neighbours only.
+void set_stored_promises(FieldParts& parts, const std::vector<std::uint8_t>& jumps) {
+  const FieldGrid& grid = parts.grid;
+  const double cell_steps = 32767 * grid.voxel_m / grid.range_m();
+  std::vector<float> inverse_slope(grid.block_count(), 1.f);
+  for (std::size_t i = 0; i < inverse_slope.size(); ++i) {
+    const CoarseEntry& entry = parts.coarse[i];
+    if (entry.stored()) {
+      const double slope = steepest_slope(parts.blocks[entry.slot()]) / cell_steps;
+      inverse_slope[i] = static_cast<float>((1 - 1e-6) / std::max(1.0, slope));
+    }
+    if (jumps[i] != 0) inverse_slope[i] = 0;
+  }
+  const int reach = static_cast<int>(std::ceil(grid.band_m / (kBlockCells * grid.voxel_m)));
+  for (int axis = 0; axis < 3; ++axis) lowest_nearby(grid, axis, reach, inverse_slope);
+  for (std::size_t i = 0; i < inverse_slope.size(); ++i) {
+    if (parts.coarse[i].stored()) parts.coarse[i].promise = inverse_slope[i];
+  }
 }
 
 }  // namespace
@@ -151,18 +243,17 @@ FieldTally finish(FieldParts& parts) {
   FieldTally tally;
   tally.stored = parts.blocks.size();
   tally.jumps = static_cast<std::size_t>(std::count(jumps.begin(), jumps.end(), std::uint8_t{1}));
-  std::vector<float> limit;  // from each block's centre to the nearest jumping block
   if (tally.jumps > 0) {
-    limit = distance_between_blocks(parts.grid, jumps);
+    // Not beyond the nearest jumping block.
+    const std::vector<float> blocks = distance_between_blocks(parts.grid, jumps);
     const auto block_m = static_cast<float>(kBlockCells * parts.grid.voxel_m);
-    for (float& d : limit) d = std::max(0.f, block_m * (d - 0.8661f));
+    for (std::size_t i = 0; i < parts.coarse.size(); ++i) {
+      const float limit = std::max(0.f, block_m * (blocks[i] - 0.8661f));
+      if (!parts.coarse[i].stored()) parts.coarse[i].promise = std::min(parts.coarse[i].promise, limit);
+    }
   }
-  for (std::size_t i = 0; i < parts.coarse.size(); ++i) {
-    CoarseEntry& entry = parts.coarse[i];
-    if (entry.stored()) entry.centre_distance_m = kUnlimited;
-    if (!limit.empty()) entry.centre_distance_m = std::min(entry.centre_distance_m, limit[i]);
-    tally.doubtful += entry.doubtful() ? 1 : 0;
-  }
+  set_stored_promises(parts, jumps);
+  for (const CoarseEntry& entry : parts.coarse) tally.doubtful += entry.doubtful() ? 1 : 0;
   return tally;
 }
 
@@ -177,7 +268,7 @@ FieldParts sample_distance(const FieldGrid& grid, const std::function<double(con
       for (int x = 0; x < grid.blocks[0]; ++x) {
         CoarseEntry& entry = parts.coarse[grid.block_index(x, y, z)];
         const double centre = distance_m(grid.block_centre_O(x, y, z));
-        entry.centre_distance_m = static_cast<float>(std::fabs(centre) * (1 - 1e-6));
+        entry.promise = static_cast<float>(std::fabs(centre) * (1 - 1e-6));
         if (std::fabs(centre) > reach) {
           entry.slot_and_flags = CoarseEntry::kNotStored | (centre < 0 ? CoarseEntry::kInside : 0);
           continue;

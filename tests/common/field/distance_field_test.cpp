@@ -220,6 +220,43 @@ TEST(DistanceField, BodiesCutByTheGridAreServed) {
   expect_clearance_holds(field, 9);
 }
 
+TEST(DistanceField, ManyPointsAtOnceGetTheSameBitsAsOneByOne) {
+  std::mt19937 rng(11);
+  std::uniform_real_distribution<double> place(-0.2, 0.2), near(-0.06, 0.06);
+  // A sound body, and one whose sign jumps and is doubtful: stored, far, inside and outside the grid, not finite.
+  const auto jumping = [](const Vec3& p) { return (p.x() > 0.013 ? -1 : 1) * std::fabs(p.norm() - 0.04); };
+  const Vec3 box = Vec3::Constant(0.05);
+  for (const DistanceField& field : {build_field(-box, box, 0.001, [](const Vec3& p) { return p.norm() - 0.04; }),
+                                     build_field(-box, box, 0.0013, jumping, 3)}) {
+    for (const std::size_t n : {0u, 1u, 7u, 8u, 63u, 64u, 65u, 130u, 2000u}) {
+      std::vector<double> x(n), y(n), z(n), value(n), clearance(n), gx(n), gy(n), gz(n);
+      std::vector<std::uint8_t> flags(n);
+      for (std::size_t i = 0; i < n; ++i) {
+        auto& any = i % 3 == 0 ? place : near;
+        x[i] = any(rng), y[i] = any(rng), z[i] = any(rng);
+        if (i % 50 == 10) y[i] = std::nan("");
+        if (i % 50 == 20) z[i] = -HUGE_VAL;
+        if (i % 50 == 30) x[i] = 1e300;
+      }
+      const DistanceField::Points points{x.data(), y.data(), z.data(), n};
+      field.probe(points, value.data(), clearance.data());
+      for (std::size_t i = 0; i < n; ++i) {
+        const auto one = field.probe(Vec3(x[i], y[i], z[i]));
+        ASSERT_EQ(value[i], one.value_m);
+        ASSERT_EQ(clearance[i], one.clearance_m);
+      }
+      field.sample(points, {value.data(), gx.data(), gy.data(), gz.data(), flags.data()});
+      for (std::size_t i = 0; i < n; ++i) {
+        const auto one = field.sample(Vec3(x[i], y[i], z[i]));
+        ASSERT_EQ(value[i], one.value_m);
+        ASSERT_EQ(Vec3(gx[i], gy[i], gz[i]), one.gradient);
+        ASSERT_EQ((flags[i] & DistanceField::kInBand) != 0, one.in_band);
+        ASSERT_EQ((flags[i] & DistanceField::kDoubtful) != 0, one.doubtful);
+      }
+    }
+  }
+}
+
 TEST(DistanceField, PointsThatAreNotFiniteAreOutside) {
   const DistanceField field = sphere_field(0.002);
   for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {

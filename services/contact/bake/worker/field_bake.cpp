@@ -47,7 +47,7 @@ void coarse_distances(FieldParts& parts, const SplitSoup& split, const StageProg
                      const double plate = sheet - split.half_thickness_m;
                      const double d = std::min(solid, std::fabs(plate));
                      CoarseEntry& entry = parts.coarse[i];
-                     entry.centre_distance_m = static_cast<float>(d * (1 - 1e-6));
+                     entry.promise = static_cast<float>(d * (1 - 1e-6));
                      if (plate < 0) entry.slot_and_flags |= CoarseEntry::kInside;  // of a thick plate
                      stored[i] = d <= reach;
                    }

@@ -1,0 +1,291 @@
+// Compiled once for each instruction set (Highway's foreach_target), chosen at run time. Without fused multiply-add:
+// the same operations in the same order as the inline functions of distance_field.hpp, so the same bits.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "field/field_batch.cpp"
+// The order matters: what follows foreach_target.h is compiled for every target.
+#include <hwy/foreach_target.h>
+// clang-format off
+#include <hwy/highway.h>
+// clang-format on
+
+#include <cstring>
+
+#include "field/field_batch.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace tact::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<double, 8>;
+using V = hn::Vec<D>;
+using I = hn::Rebind<std::int32_t, D>;
+
+/// Of the points of a chunk.
+struct Scratch {
+  alignas(64) double f[3][kBatchChunk];           ///< place in the cell
+  alignas(64) double centre_square[kBatchChunk];  ///< squared distance to the block's centre, in cells
+  alignas(64) double promise[kBatchChunk];        ///< of the coarse entry
+  alignas(64) double far_sign[kBatchChunk];       ///< 0: stored; 1, -1: no stored corners, outside or inside the body
+  alignas(64) double out_square[kBatchChunk];     ///< squared distance to the grid, in cells; 0: inside; -1: not finite
+  alignas(64) std::int32_t entry[kBatchChunk];    ///< index of the coarse entry, of the nearest point inside
+  alignas(64) std::int32_t corner[kBatchChunk];   ///< index of the cell's first corner in its block
+  alignas(64) std::int32_t pair[4][kBatchChunk];  ///< corners at (y, z) = 00, 10, 01, 11, two along x as in memory
+  bool doubtful[kBatchChunk];
+};
+
+/// Where the points are in the grid.
+HWY_INLINE void locate(const BatchView& field, const DistanceField::Points& points, Scratch& s) {
+  const D d;
+  const I di;
+  const V zero = hn::Zero(d), half = hn::Set(d, 0.5), eight = hn::Set(d, kBlockCells);
+  const V inverse = hn::Set(d, field.inverse_voxel);
+  const auto seven = hn::Set(di, kBlockCells - 1), nine = hn::Set(di, kBlockCorners);
+  for (std::size_t i = 0; i < points.size; i += hn::Lanes(d)) {
+    V ux = hn::Mul(hn::Sub(hn::LoadU(d, points.x_O + i), hn::Set(d, field.min_O[0])), inverse);
+    V uy = hn::Mul(hn::Sub(hn::LoadU(d, points.y_O + i), hn::Set(d, field.min_O[1])), inverse);
+    V uz = hn::Mul(hn::Sub(hn::LoadU(d, points.z_O + i), hn::Set(d, field.min_O[2])), inverse);
+    const auto x_in = hn::And(hn::Ge(ux, zero), hn::Lt(ux, hn::Set(d, field.cells[0])));
+    const auto y_in = hn::And(hn::Ge(uy, zero), hn::Lt(uy, hn::Set(d, field.cells[1])));
+    const auto z_in = hn::And(hn::Ge(uz, zero), hn::Lt(uz, hn::Set(d, field.cells[2])));
+    const auto in = hn::And(x_in, hn::And(y_in, z_in));
+    V out_square = zero;
+    if (!hn::AllTrue(d, in)) {
+      const V inset = hn::Set(d, field.inset);
+      const V nx = hn::Min(hn::Max(ux, inset), hn::Sub(hn::Set(d, field.cells[0]), inset));
+      const V ny = hn::Min(hn::Max(uy, inset), hn::Sub(hn::Set(d, field.cells[1]), inset));
+      const V nz = hn::Min(hn::Max(uz, inset), hn::Sub(hn::Set(d, field.cells[2]), inset));
+      const V ox = hn::Sub(ux, nx), oy = hn::Sub(uy, ny), oz = hn::Sub(uz, nz);
+      const V square = hn::Add(hn::Add(hn::Mul(ox, ox), hn::Mul(oy, oy)), hn::Mul(oz, oz));
+      const V size = hn::Add(hn::Add(hn::Abs(ux), hn::Abs(uy)), hn::Abs(uz));
+      const auto finite = hn::Lt(size, hn::Set(d, field.farthest));
+      out_square = hn::IfThenElse(in, zero, hn::IfThenElse(finite, square, hn::Set(d, -1.0)));
+      ux = hn::IfThenElse(in, ux, hn::IfThenElseZero(finite, nx));
+      uy = hn::IfThenElse(in, uy, hn::IfThenElseZero(finite, ny));
+      uz = hn::IfThenElse(in, uz, hn::IfThenElseZero(finite, nz));
+    }
+    hn::StoreU(out_square, d, s.out_square + i);
+    const auto wx = hn::DemoteTo(di, ux), wy = hn::DemoteTo(di, uy), wz = hn::DemoteTo(di, uz);
+    hn::StoreU(hn::Sub(ux, hn::PromoteTo(d, wx)), d, s.f[0] + i);
+    hn::StoreU(hn::Sub(uy, hn::PromoteTo(d, wy)), d, s.f[1] + i);
+    hn::StoreU(hn::Sub(uz, hn::PromoteTo(d, wz)), d, s.f[2] + i);
+    const auto bx = hn::ShiftRight<3>(wx), by = hn::ShiftRight<3>(wy), bz = hn::ShiftRight<3>(wz);
+    const V cx = hn::Sub(ux, hn::Mul(hn::Add(hn::PromoteTo(d, bx), half), eight));
+    const V cy = hn::Sub(uy, hn::Mul(hn::Add(hn::PromoteTo(d, by), half), eight));
+    const V cz = hn::Sub(uz, hn::Mul(hn::Add(hn::PromoteTo(d, bz), half), eight));
+    hn::StoreU(hn::Add(hn::Add(hn::Mul(cx, cx), hn::Mul(cy, cy)), hn::Mul(cz, cz)), d, s.centre_square + i);
+    const auto index = hn::Add(hn::Add(hn::Mul(bz, hn::Set(di, field.slice)), hn::Mul(by, hn::Set(di, field.row))), bx);
+    hn::StoreU(index, di, s.entry + i);
+    const auto zy = hn::Add(hn::Mul(hn::And(wz, seven), nine), hn::And(wy, seven));
+    hn::StoreU(hn::Add(hn::Mul(zy, nine), hn::And(wx, seven)), di, s.corner + i);
+  }
+}
+
+constexpr FieldBlock kNoBlock{};
+
+/// Reads coarse entries, then corners: the first loop's cache misses overlap, and its prefetches the second's.
+HWY_INLINE void fetch(const BatchView& field, std::size_t count, Scratch& s) {
+  constexpr std::size_t dy = kBlockCorners, dz = kBlockCorners * kBlockCorners;
+  const std::int16_t* at[kBatchChunk];
+  for (std::size_t i = 0; i < count; ++i) {
+    const CoarseEntry entry = field.coarse[s.entry[i]];
+    const bool stored = entry.stored();
+    const FieldBlock* block = stored ? field.blocks + entry.slot() : &kNoBlock;
+    at[i] = block->q.data() + s.corner[i];
+    __builtin_prefetch(at[i]);
+    __builtin_prefetch(at[i] + dz);
+    s.promise[i] = static_cast<double>(entry.promise);
+    s.far_sign[i] = stored ? 0.0 : entry.inside() ? -1.0 : 1.0;
+    s.doubtful[i] = entry.doubtful();
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    std::memcpy(&s.pair[0][i], at[i], 4);
+    std::memcpy(&s.pair[1][i], at[i] + dy, 4);
+    std::memcpy(&s.pair[2][i], at[i] + dz, 4);
+    std::memcpy(&s.pair[3][i], at[i] + dz + dy, 4);
+  }
+}
+
+HWY_INLINE void corners(const BatchView& field, const Scratch& s, std::size_t i, int k, V& low, V& high) {
+  const D d;
+  const I di;
+  const V scale = hn::Set(d, field.scale_m);
+  const auto both = hn::LoadU(di, s.pair[k] + i);
+  low = hn::Mul(scale, hn::PromoteTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(both))));
+  high = hn::Mul(scale, hn::PromoteTo(d, hn::ShiftRight<16>(both)));
+}
+
+HWY_INLINE V mean(V a, V weight_a, V b, V weight_b) { return hn::Add(hn::Mul(a, weight_a), hn::Mul(b, weight_b)); }
+
+/// @pre points.size is a multiple of 8, as in sample_chunk
+void probe_chunk(const BatchView& field, const DistanceField::Points& points, double* value_m, double* clearance_m) {
+  Scratch s;
+  locate(field, points, s);
+  fetch(field, points.size, s);
+  const D d;
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0), band = hn::Set(d, field.band_m), minus_band = hn::Set(d, -field.band_m);
+  const V voxel = hn::Set(d, field.voxel_m), slack = hn::Set(d, field.far_slack_m);
+  for (std::size_t i = 0; i < points.size; i += hn::Lanes(d)) {
+    const V fx = hn::LoadU(d, s.f[0] + i), fy = hn::LoadU(d, s.f[1] + i), fz = hn::LoadU(d, s.f[2] + i);
+    const V ex = hn::Sub(one, fx), ey = hn::Sub(one, fy), ez = hn::Sub(one, fz);
+    V v0, v1, v2, v3, v4, v5, v6, v7;
+    corners(field, s, i, 0, v0, v1);
+    corners(field, s, i, 1, v2, v3);
+    corners(field, s, i, 2, v4, v5);
+    corners(field, s, i, 3, v6, v7);
+    const V y0 = mean(mean(v0, ex, v1, fx), ey, mean(v2, ex, v3, fx), fy);
+    const V y1 = mean(mean(v4, ex, v5, fx), ey, mean(v6, ex, v7, fx), fy);
+    V value = hn::Min(hn::Max(mean(y0, ez, y1, fz), minus_band), band);
+    const V promise = hn::LoadU(d, s.promise + i), far = hn::LoadU(d, s.far_sign + i);
+    V clearance = hn::Mul(value, promise);
+    const auto stored = hn::Eq(far, zero);
+    if (!hn::AllTrue(d, stored)) {
+      const V to_centre = hn::Mul(voxel, hn::Sqrt(hn::LoadU(d, s.centre_square + i)));
+      const V free = hn::Sub(hn::Sub(promise, to_centre), slack);
+      value = hn::IfThenElse(stored, value, hn::Mul(far, band));
+      clearance = hn::IfThenElse(stored, clearance, hn::IfThenElse(hn::Gt(far, zero), free, minus_band));
+    }
+    const V out_square = hn::LoadU(d, s.out_square + i);
+    const auto inside = hn::Eq(out_square, zero);
+    if (!hn::AllTrue(d, inside)) {
+      const V inset_slack = hn::Set(d, field.inset_slack_m);
+      const V a = hn::Max(zero, hn::Sub(hn::Mul(voxel, hn::Sqrt(out_square)), inset_slack));
+      const V b = hn::Max(zero, hn::Sub(clearance, inset_slack));
+      const V far_off = hn::Sqrt(hn::Add(hn::Mul(a, a), hn::Mul(b, b)));
+      const auto finite = hn::Gt(out_square, zero);
+      value = hn::IfThenElse(inside, value, band);
+      clearance = hn::IfThenElse(inside, clearance, hn::IfThenElse(finite, far_off, minus_band));
+    }
+    hn::StoreU(value, d, value_m + i);
+    hn::StoreU(clearance, d, clearance_m + i);
+  }
+}
+
+void sample_chunk(const BatchView& field, const DistanceField::Points& points, const DistanceField::Samples& out) {
+  Scratch s;
+  locate(field, points, s);
+  fetch(field, points.size, s);
+  const D d;
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0), band = hn::Set(d, field.band_m);
+  const V inverse = hn::Set(d, field.inverse_voxel);
+  for (std::size_t i = 0; i < points.size; i += hn::Lanes(d)) {
+    const V fx = hn::LoadU(d, s.f[0] + i), fy = hn::LoadU(d, s.f[1] + i), fz = hn::LoadU(d, s.f[2] + i);
+    const V ex = hn::Sub(one, fx), ey = hn::Sub(one, fy), ez = hn::Sub(one, fz);
+    V v0, v1, v2, v3, v4, v5, v6, v7;
+    corners(field, s, i, 0, v0, v1);
+    corners(field, s, i, 1, v2, v3);
+    corners(field, s, i, 2, v4, v5);
+    corners(field, s, i, 3, v6, v7);
+    const V x00 = mean(v0, ex, v1, fx), x10 = mean(v2, ex, v3, fx);
+    const V x01 = mean(v4, ex, v5, fx), x11 = mean(v6, ex, v7, fx);
+    const V y0 = mean(x00, ey, x10, fy), y1 = mean(x01, ey, x11, fy);
+    const V value = mean(y0, ez, y1, fz);
+    const V gx = mean(mean(hn::Sub(v1, v0), ey, hn::Sub(v3, v2), fy), ez,
+                      mean(hn::Sub(v5, v4), ey, hn::Sub(v7, v6), fy), fz);
+    const V gy = mean(hn::Sub(x10, x00), ez, hn::Sub(x11, x01), fz);
+    const auto inside = hn::Eq(hn::LoadU(d, s.out_square + i), zero);
+    const V far = hn::IfThenElse(inside, hn::LoadU(d, s.far_sign + i), one);
+    const auto in_band = hn::And(hn::Eq(far, zero), hn::Le(hn::Abs(value), band));
+    const V clamped = hn::IfThenElse(hn::Eq(far, zero), hn::CopySign(band, value), hn::Mul(far, band));
+    hn::StoreU(hn::IfThenElse(in_band, value, clamped), d, out.value_m + i);
+    hn::StoreU(hn::IfThenElseZero(in_band, hn::Mul(inverse, gx)), d, out.gx + i);
+    hn::StoreU(hn::IfThenElseZero(in_band, hn::Mul(inverse, gy)), d, out.gy + i);
+    hn::StoreU(hn::IfThenElseZero(in_band, hn::Mul(inverse, hn::Sub(y1, y0))), d, out.gz + i);
+    std::uint8_t bits[8] = {}, within[8] = {};
+    hn::StoreMaskBits(d, in_band, bits);
+    hn::StoreMaskBits(d, inside, within);
+    for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
+      const int doubtful = s.doubtful[i + k] ? (within[0] >> k) & 1 : 0;
+      out.flags[i + k] = static_cast<std::uint8_t>(((bits[0] >> k) & 1) * DistanceField::kInBand +
+                                                   doubtful * DistanceField::kDoubtful);
+    }
+  }
+}
+
+}  // namespace tact::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tact {
+
+HWY_EXPORT(probe_chunk);
+HWY_EXPORT(sample_chunk);
+
+struct BatchAccess {
+  static BatchView view(const DistanceField& f) noexcept {
+    return {f.coarse_,
+            f.blocks_,
+            {f.min_O_.x(), f.min_O_.y(), f.min_O_.z()},
+            {f.cells_.x(), f.cells_.y(), f.cells_.z()},
+            f.voxel_m_,
+            f.inverse_voxel_,
+            f.band_m_,
+            f.scale_m_,
+            DistanceField::kFarSlack * f.voxel_m_,
+            DistanceField::kInset,
+            DistanceField::kInsetSlack * f.voxel_m_,
+            DistanceField::kFarthest,
+            static_cast<std::int32_t>(f.row_),
+            static_cast<std::int32_t>(f.slice_)};
+  }
+};
+
+namespace {
+
+/// A chunk of fewer points than whole vectors: with room to read and write beyond them.
+struct Padded {
+  double x[kBatchChunk], y[kBatchChunk], z[kBatchChunk];
+  std::size_t size;
+
+  explicit Padded(const DistanceField::Points& points) {
+    std::memcpy(x, points.x_O, points.size * sizeof(double));
+    std::memcpy(y, points.y_O, points.size * sizeof(double));
+    std::memcpy(z, points.z_O, points.size * sizeof(double));
+    for (size = points.size; size % 8 != 0; ++size) x[size] = y[size] = z[size] = 0;
+  }
+  DistanceField::Points points() const { return {x, y, z, size}; }
+};
+
+DistanceField::Points part(const DistanceField::Points& all, std::size_t begin) {
+  return {all.x_O + begin, all.y_O + begin, all.z_O + begin, std::min(kBatchChunk, all.size - begin)};
+}
+
+}  // namespace
+
+void DistanceField::probe(const Points& points, double* value_m, double* clearance_m) const noexcept {
+  const BatchView view = BatchAccess::view(*this);
+  for (std::size_t begin = 0; begin < points.size; begin += kBatchChunk) {
+    const Points chunk = part(points, begin);
+    if (chunk.size % 8 == 0) {
+      HWY_DYNAMIC_DISPATCH(probe_chunk)(view, chunk, value_m + begin, clearance_m + begin);
+    } else {
+      double value[kBatchChunk], clearance[kBatchChunk];
+      HWY_DYNAMIC_DISPATCH(probe_chunk)(view, Padded(chunk).points(), value, clearance);
+      std::memcpy(value_m + begin, value, chunk.size * sizeof(double));
+      std::memcpy(clearance_m + begin, clearance, chunk.size * sizeof(double));
+    }
+  }
+}
+
+void DistanceField::sample(const Points& points, const Samples& samples) const noexcept {
+  const BatchView view = BatchAccess::view(*this);
+  for (std::size_t begin = 0; begin < points.size; begin += kBatchChunk) {
+    const Points chunk = part(points, begin);
+    if (chunk.size % 8 == 0) {
+      HWY_DYNAMIC_DISPATCH(sample_chunk)(view, chunk,
+             {samples.value_m + begin, samples.gx + begin, samples.gy + begin, samples.gz + begin,
+              samples.flags + begin});
+    } else {
+      double value[kBatchChunk], gx[kBatchChunk], gy[kBatchChunk], gz[kBatchChunk];
+      std::uint8_t flags[kBatchChunk];
+      HWY_DYNAMIC_DISPATCH(sample_chunk)(view, Padded(chunk).points(), {value, gx, gy, gz, flags});
+      std::memcpy(samples.value_m + begin, value, chunk.size * sizeof(double));
+      std::memcpy(samples.gx + begin, gx, chunk.size * sizeof(double));
+      std::memcpy(samples.gy + begin, gy, chunk.size * sizeof(double));
+      std::memcpy(samples.gz + begin, gz, chunk.size * sizeof(double));
+      std::memcpy(samples.flags + begin, flags, chunk.size);
+    }
+  }
+}
+
+}  // namespace tact
+#endif  // HWY_ONCE
