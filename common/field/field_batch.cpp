@@ -24,13 +24,12 @@ using I = hn::Rebind<std::int32_t, D>;
 struct Scratch {
   alignas(64) double f[3][kBatchChunk];           ///< place in the cell
   alignas(64) double centre_square[kBatchChunk];  ///< squared distance to the block's centre, in cells
-  alignas(64) double promise[kBatchChunk];        ///< of the coarse entry
-  alignas(64) double far_sign[kBatchChunk];       ///< 0: stored; 1, -1: no stored corners, outside or inside the body
   alignas(64) double out_square[kBatchChunk];     ///< squared distance to the grid, in cells; 0: inside; -1: not finite
-  alignas(64) std::int32_t entry[kBatchChunk];    ///< index of the coarse entry, of the nearest point inside
+  alignas(64) std::int32_t index[kBatchChunk];    ///< of the coarse entry; of the nearest point inside
   alignas(64) std::int32_t corner[kBatchChunk];   ///< index of the cell's first corner in its block
+  alignas(64) std::int32_t flags[kBatchChunk];    ///< CoarseEntry::slot_and_flags
+  alignas(64) float promise[kBatchChunk];         ///< CoarseEntry::promise
   alignas(64) std::int32_t pair[4][kBatchChunk];  ///< corners at (y, z) = 00, 10, 01, 11, two along x as in memory
-  bool doubtful[kBatchChunk];
 };
 
 /// Where the points are in the grid.
@@ -74,7 +73,7 @@ HWY_INLINE void locate(const BatchView& field, const DistanceField::Points& poin
     const V cz = hn::Sub(uz, hn::Mul(hn::Add(hn::PromoteTo(d, bz), half), eight));
     hn::StoreU(hn::Add(hn::Add(hn::Mul(cx, cx), hn::Mul(cy, cy)), hn::Mul(cz, cz)), d, s.centre_square + i);
     const auto index = hn::Add(hn::Add(hn::Mul(bz, hn::Set(di, field.slice)), hn::Mul(by, hn::Set(di, field.row))), bx);
-    hn::StoreU(index, di, s.entry + i);
+    hn::StoreU(index, di, s.index + i);
     const auto zy = hn::Add(hn::Mul(hn::And(wz, seven), nine), hn::And(wy, seven));
     hn::StoreU(hn::Add(hn::Mul(zy, nine), hn::And(wx, seven)), di, s.corner + i);
   }
@@ -87,15 +86,13 @@ HWY_INLINE void fetch(const BatchView& field, std::size_t count, Scratch& s) {
   constexpr std::size_t dy = kBlockCorners, dz = kBlockCorners * kBlockCorners;
   const std::int16_t* at[kBatchChunk];
   for (std::size_t i = 0; i < count; ++i) {
-    const CoarseEntry entry = field.coarse[s.entry[i]];
-    const bool stored = entry.stored();
-    const FieldBlock* block = stored ? field.blocks + entry.slot() : &kNoBlock;
+    const CoarseEntry entry = field.coarse[s.index[i]];
+    const FieldBlock* block = entry.stored() ? field.blocks + entry.slot() : &kNoBlock;
     at[i] = block->q.data() + s.corner[i];
     __builtin_prefetch(at[i]);
     __builtin_prefetch(at[i] + dz);
-    s.promise[i] = static_cast<double>(entry.promise);
-    s.far_sign[i] = stored ? 0.0 : entry.inside() ? -1.0 : 1.0;
-    s.doubtful[i] = entry.doubtful();
+    std::memcpy(&s.flags[i], &entry.slot_and_flags, 4);
+    s.promise[i] = entry.promise;
   }
   for (std::size_t i = 0; i < count; ++i) {
     std::memcpy(&s.pair[0][i], at[i], 4);
@@ -103,6 +100,18 @@ HWY_INLINE void fetch(const BatchView& field, std::size_t count, Scratch& s) {
     std::memcpy(&s.pair[2][i], at[i] + dz, 4);
     std::memcpy(&s.pair[3][i], at[i] + dz + dy, 4);
   }
+}
+
+/// What the coarse entries say: the promise, and 0 for a stored block, else 1 outside the body and -1 inside.
+HWY_INLINE void entries(const Scratch& s, std::size_t i, V& promise, V& far) {
+  const D d;
+  const I di;
+  const auto flags = hn::LoadU(di, s.flags + i);
+  promise = hn::PromoteTo(d, hn::LoadU(hn::Rebind<float, D>(), s.promise + i));
+  const V slot = hn::PromoteTo(d, hn::And(flags, hn::Set(di, static_cast<std::int32_t>(CoarseEntry::kSlotMask))));
+  const V inside = hn::PromoteTo(d, hn::And(flags, hn::Set(di, static_cast<std::int32_t>(CoarseEntry::kInside))));
+  const V sign = hn::IfThenElse(hn::Eq(inside, hn::Zero(d)), hn::Set(d, 1.0), hn::Set(d, -1.0));
+  far = hn::IfThenElseZero(hn::Eq(slot, hn::Set(d, static_cast<double>(CoarseEntry::kNotStored))), sign);
 }
 
 HWY_INLINE void corners(const BatchView& field, const Scratch& s, std::size_t i, int k, V& low, V& high) {
@@ -122,7 +131,8 @@ void probe_chunk(const BatchView& field, const DistanceField::Points& points, do
   locate(field, points, s);
   fetch(field, points.size, s);
   const D d;
-  const V zero = hn::Zero(d), one = hn::Set(d, 1.0), band = hn::Set(d, field.band_m), minus_band = hn::Set(d, -field.band_m);
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0), band = hn::Set(d, field.band_m),
+          minus_band = hn::Set(d, -field.band_m);
   const V voxel = hn::Set(d, field.voxel_m), slack = hn::Set(d, field.far_slack_m);
   for (std::size_t i = 0; i < points.size; i += hn::Lanes(d)) {
     const V fx = hn::LoadU(d, s.f[0] + i), fy = hn::LoadU(d, s.f[1] + i), fz = hn::LoadU(d, s.f[2] + i);
@@ -135,7 +145,8 @@ void probe_chunk(const BatchView& field, const DistanceField::Points& points, do
     const V y0 = mean(mean(v0, ex, v1, fx), ey, mean(v2, ex, v3, fx), fy);
     const V y1 = mean(mean(v4, ex, v5, fx), ey, mean(v6, ex, v7, fx), fy);
     V value = hn::Min(hn::Max(mean(y0, ez, y1, fz), minus_band), band);
-    const V promise = hn::LoadU(d, s.promise + i), far = hn::LoadU(d, s.far_sign + i);
+    V promise, far;
+    entries(s, i, promise, far);
     V clearance = hn::Mul(value, promise);
     const auto stored = hn::Eq(far, zero);
     if (!hn::AllTrue(d, stored)) {
@@ -179,11 +190,13 @@ void sample_chunk(const BatchView& field, const DistanceField::Points& points, c
     const V x01 = mean(v4, ex, v5, fx), x11 = mean(v6, ex, v7, fx);
     const V y0 = mean(x00, ey, x10, fy), y1 = mean(x01, ey, x11, fy);
     const V value = mean(y0, ez, y1, fz);
-    const V gx = mean(mean(hn::Sub(v1, v0), ey, hn::Sub(v3, v2), fy), ez,
-                      mean(hn::Sub(v5, v4), ey, hn::Sub(v7, v6), fy), fz);
+    const V gx =
+        mean(mean(hn::Sub(v1, v0), ey, hn::Sub(v3, v2), fy), ez, mean(hn::Sub(v5, v4), ey, hn::Sub(v7, v6), fy), fz);
     const V gy = mean(hn::Sub(x10, x00), ez, hn::Sub(x11, x01), fz);
     const auto inside = hn::Eq(hn::LoadU(d, s.out_square + i), zero);
-    const V far = hn::IfThenElse(inside, hn::LoadU(d, s.far_sign + i), one);
+    V promise, far;
+    entries(s, i, promise, far);
+    far = hn::IfThenElse(inside, far, one);
     const auto in_band = hn::And(hn::Eq(far, zero), hn::Le(hn::Abs(value), band));
     const V clamped = hn::IfThenElse(hn::Eq(far, zero), hn::CopySign(band, value), hn::Mul(far, band));
     hn::StoreU(hn::IfThenElse(in_band, value, clamped), d, out.value_m + i);
@@ -194,7 +207,7 @@ void sample_chunk(const BatchView& field, const DistanceField::Points& points, c
     hn::StoreMaskBits(d, in_band, bits);
     hn::StoreMaskBits(d, inside, within);
     for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
-      const int doubtful = s.doubtful[i + k] ? (within[0] >> k) & 1 : 0;
+      const int doubtful = s.flags[i + k] < 0 ? (within[0] >> k) & 1 : 0;
       out.flags[i + k] = static_cast<std::uint8_t>(((bits[0] >> k) & 1) * DistanceField::kInBand +
                                                    doubtful * DistanceField::kDoubtful);
     }
@@ -271,9 +284,9 @@ void DistanceField::sample(const Points& points, const Samples& samples) const n
   for (std::size_t begin = 0; begin < points.size; begin += kBatchChunk) {
     const Points chunk = part(points, begin);
     if (chunk.size % 8 == 0) {
-      HWY_DYNAMIC_DISPATCH(sample_chunk)(view, chunk,
-             {samples.value_m + begin, samples.gx + begin, samples.gy + begin, samples.gz + begin,
-              samples.flags + begin});
+      HWY_DYNAMIC_DISPATCH(sample_chunk)
+      (view, chunk,
+       {samples.value_m + begin, samples.gx + begin, samples.gy + begin, samples.gz + begin, samples.flags + begin});
     } else {
       double value[kBatchChunk], gx[kBatchChunk], gy[kBatchChunk], gz[kBatchChunk];
       std::uint8_t flags[kBatchChunk];

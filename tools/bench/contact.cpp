@@ -16,6 +16,33 @@ constexpr Case kCases[] = {{"about 10", 5, 15, 0.003}, {"about 100", 75, 130, 0.
 
 std::string us(double seconds) { return number(1e6 * seconds); }
 
+/// Where the time of a tick goes.
+struct Parts {
+  Timings traversal, law_time, assemble;
+  double nodes = 0;
+
+  Parts(const LoadedScene& scene, const std::vector<Pose>& poses) {
+    const auto capacity = static_cast<std::size_t>(scene.spec.contact.capacity);
+    const auto params =
+        contact::pipeline_params(scene.spec.contact, scene.field.voxel_m(), scene.spec.coupling.mass_kg, 1);
+    const auto law = contact::make_law(params.law, params.law_params, *scene.shell, capacity);
+    contact::Traversal find(scene.field, scene.shell);
+    contact::ContactBuffer contacts(capacity);
+    for (int round = 0; round < 10; ++round) {
+      for (const Pose& X_WM : poses) {
+        const Pose X_OT = scene.X_OM(X_WM) * scene.shell->X_TM.inverse();
+        contact::Findings found;
+        traversal.add(seconds_of([&] { found = find.find(X_OT, contacts); }));
+        law_time.add(seconds_of([&] { law->weigh(contacts); }));
+        assemble.add(seconds_of([&] {
+          keep(contact::assemble(contacts, *law, params.stiffness_n_per_m, params.damping_n_s_per_m, Twist{}));
+        }));
+        nodes += static_cast<double>(found.nodes_visited) / (10 * static_cast<double>(poses.size()));
+      }
+    }
+  }
+};
+
 }  // namespace
 
 void bench_contact(const Effort& effort, Report& report) {
@@ -26,7 +53,7 @@ void bench_contact(const Effort& effort, Report& report) {
       "Alpha: traversal, law, wrench and derivatives, against fcl::collide (BVHModel<OBBRSS<double>>, all "
       "contacts); same poses, taking turns. Law: " +
       scene.spec.contact.law + ". Microseconds.");
-  std::vector<Report::Row> rows;
+  std::vector<Report::Row> rows, parts;
   double at_100 = 0;
   for (const Case& c : kCases) {
     const auto near = poses_along(scene, "cheat", 20000, c.shift_m, 10 * c.shift_m, kSeed);
@@ -45,9 +72,13 @@ void bench_contact(const Effort& effort, Report& report) {
                     number(triangles / mean), us(t.theirs.median()), us(t.theirs.percentile(0.99)), number(t.ratio()),
                     number(t.theirs.percentile(0.99) / t.ours.percentile(0.99))});
     if (c.fewest == 75) at_100 = t.ratio();
+    const Parts p(scene, poses);
+    parts.push_back({c.name, number(p.nodes), us(p.traversal.median()), number(1e9 * p.traversal.median() / p.nodes),
+                     us(p.law_time.median()), us(p.assemble.median())});
   }
   report.table({"contacts", "poses", "mean", "Tact p50", "p99", "FCL contacts", "FCL p50", "p99", "ratio p50", "p99"},
                rows);
+  report.table({"of that, p50", "nodes", "traversal", "ns a node", "law", "assemble"}, parts);
   report.bar("contact tick, about 100 contacts, FCL / Tact at the median", at_100, "x", true, 10);
 }
 

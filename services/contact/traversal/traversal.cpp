@@ -101,13 +101,13 @@ void Traversal::visit(const Nodes& level, std::size_t begin, std::size_t count, 
   double least = clearance;
   for (std::size_t i = 0; i < count; ++i) {  // without branches that depend on where nodes lie
     const double radius = kRadiusSlack * static_cast<double>(level.radius[begin + i]);
-    const bool skip = promise[i] > enough * radius;
-    const double free = promise[i] - (skip ? radius : 0.0);
+    const int skip = promise[i] > enough * radius;
+    const double free = promise[i] - skip * radius;
     least = free < least ? free : least;
     candidates_[candidate_count_] = {-value[i], level.id[begin + i]};
     candidate_count_ += value[i] < 0 ? 1 : 0;
     open[open_count] = level.id[begin + i];
-    open_count += skip ? 0 : 1;
+    open_count += static_cast<std::size_t>(1 - skip);
   }
   clearance = least;
   for (std::size_t k = 0; k < open_count; ++k) {
