@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "contact/traversal/place.hpp"
@@ -14,46 +13,32 @@ namespace {
 constexpr double kRadiusSlack = 1 + 1e-6;
 /// Nodes probed at once: enough to hide the latency of memory.
 constexpr std::size_t kChunk = 64;
-/// Children copied at once.
-constexpr std::size_t kAppend = 8;
+/// Children queued at once; what is written too much is overwritten by the next.
+constexpr std::uint32_t kAppend = 8;
 
 }  // namespace
 
 bool is_rigid(const Pose& X) noexcept { return X.finite() && std::fabs(X.q.norm() - 1) < 1e-3; }
 
-/// Beyond the last node: what append() copies and whole vectors read too much.
-constexpr std::size_t kRoom = 16;
-
-Traversal::Nodes::Nodes(std::size_t capacity)
-    : x(capacity + kRoom), y(capacity + kRoom), z(capacity + kRoom), radius(capacity + kRoom), id(capacity + kRoom) {}
-
 Traversal::Traversal(DistanceField field, std::shared_ptr<const Pointshell> shell)
-    : field_(std::move(field)),
-      shell_(std::move(shell)),
-      all_(shell_->size()),
-      level_(shell_->size()),
-      next_level_(shell_->size()),
-      candidates_(shell_->size() + 1) {
-  for (std::uint32_t i = 0; i < shell_->size(); ++i) {
-    all_.x[i] = shell_->position_T[i].x();
-    all_.y[i] = shell_->position_T[i].y();
-    all_.z[i] = shell_->position_T[i].z();
-    all_.radius[i] = shell_->radius_m[i];
-    all_.id[i] = i;
+    : field_(std::move(field)), shell_(std::move(shell)), candidates_(shell_->size() + 1) {
+  nodes_.reserve(shell_->size());
+  for (std::size_t i = 0; i < shell_->size(); ++i) {
+    const Eigen::Vector3f& p = shell_->position_T[i];
+    const std::uint32_t begin = shell_->child_begin[i], end = shell_->child_end[i];
+    nodes_.push_back({p.x(), p.y(), p.z(), shell_->radius_m[i], begin, begin < end ? end - begin : 0});
   }
+  level_.id.resize(shell_->size() + kAppend);
+  next_level_.id.resize(shell_->size() + kAppend);
 }
 
-void Traversal::append(std::uint32_t begin, std::uint32_t end, Nodes& to) const noexcept {
-  // Whole vectors: what is copied too much is overwritten by the next.
-  for (; begin < end; begin += kAppend) {
-    const std::size_t at = to.size;
-    std::memcpy(&to.x[at], &all_.x[begin], kAppend * sizeof(float));
-    std::memcpy(&to.y[at], &all_.y[begin], kAppend * sizeof(float));
-    std::memcpy(&to.z[at], &all_.z[begin], kAppend * sizeof(float));
-    std::memcpy(&to.radius[at], &all_.radius[begin], kAppend * sizeof(float));
-    std::memcpy(&to.id[at], &all_.id[begin], kAppend * sizeof(std::uint32_t));
-    to.size += std::min<std::size_t>(end - begin, kAppend);
+void Traversal::append(std::uint32_t begin, std::uint32_t count, Queue& to) const noexcept {
+  std::uint32_t* out = to.id.data() + to.size;
+  to.size += count;
+  for (std::uint32_t k = 0; k < count; k += kAppend) {
+    for (std::uint32_t j = 0; j < kAppend; ++j) out[k + j] = begin + k + j;
   }
+  for (std::uint32_t k = 0; k < count; k += 2) __builtin_prefetch(&nodes_[begin + k]);
 }
 
 Findings Traversal::find(const Pose& X_OT, ContactBuffer& contacts) noexcept {
@@ -69,12 +54,13 @@ Findings Traversal::find(const Pose& X_OT, ContactBuffer& contacts) noexcept {
   double clearance = std::numeric_limits<double>::infinity();
 
   level_.size = 0;
-  if (shell_->level_begin.size() > 1) append(shell_->level_begin[0], shell_->level_begin[1], level_);
+  if (shell_->level_begin.size() > 1) append(0, shell_->level_begin[1], level_);
   while (level_.size > 0) {
     next_level_.size = 0;
     found.nodes_visited += level_.size;
     for (std::size_t begin = 0; begin < level_.size; begin += kChunk) {
-      visit(level_, begin, std::min(kChunk, level_.size - begin), R_OT, p_OT, next_level_, clearance);
+      const std::size_t count = std::min(kChunk, level_.size - begin);
+      visit({level_.id.data() + begin, count}, R_OT, p_OT, next_level_, clearance);
     }
     std::swap(level_, next_level_);
   }
@@ -87,11 +73,21 @@ Findings Traversal::find(const Pose& X_OT, ContactBuffer& contacts) noexcept {
   return found;
 }
 
-void Traversal::visit(const Nodes& level, std::size_t begin, std::size_t count, const Mat3& R_OT, const Vec3& p_OT,
-                      Nodes& next, double& clearance) noexcept {
+void Traversal::visit(std::span<const std::uint32_t> ids, const Mat3& R_OT, const Vec3& p_OT, Queue& next,
+                      double& clearance) noexcept {
+  float x_T[kChunk], y_T[kChunk], z_T[kChunk], radii[kChunk];
   double x[kChunk], y[kChunk], z[kChunk], value[kChunk], promise[kChunk];
-  place(R_OT, p_OT, &level.x[begin], &level.y[begin], &level.z[begin], (count + 7) / 8 * 8, x, y, z);
-  field_.probe({x, y, z, count}, value, promise);
+  const std::size_t padded = (ids.size() + 7) / 8 * 8;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const Node& node = nodes_[ids[i]];
+    x_T[i] = node.x;
+    y_T[i] = node.y;
+    z_T[i] = node.z;
+    radii[i] = node.radius;
+  }
+  for (std::size_t i = ids.size(); i < padded; ++i) x_T[i] = y_T[i] = z_T[i] = 0;
+  place(R_OT, p_OT, x_T, y_T, z_T, padded, x, y, z);
+  field_.probe({x, y, z, ids.size()}, value, promise);
 
   // While the clearance may still exceed half a voxel (below that nobody needs it), go a little deeper than contacts
   // demand: a skipped subtree then tells its clearance within a factor of two.
@@ -99,19 +95,19 @@ void Traversal::visit(const Nodes& level, std::size_t begin, std::size_t count, 
   std::uint32_t open[kChunk];  // nodes to go deeper at
   std::size_t open_count = 0;
   double least = clearance;
-  for (std::size_t i = 0; i < count; ++i) {  // without branches that depend on where nodes lie
-    const double radius = kRadiusSlack * static_cast<double>(level.radius[begin + i]);
+  for (std::size_t i = 0; i < ids.size(); ++i) {  // without branches that depend on where nodes lie
+    const double radius = kRadiusSlack * static_cast<double>(radii[i]);
     const int skip = promise[i] > enough * radius;
     const double free = promise[i] - skip * radius;
     least = free < least ? free : least;
-    candidates_[candidate_count_] = {-value[i], level.id[begin + i]};
+    candidates_[candidate_count_] = {-value[i], ids[i]};
     candidate_count_ += value[i] < 0 ? 1 : 0;
-    open[open_count] = level.id[begin + i];
+    open[open_count] = ids[i];
     open_count += static_cast<std::size_t>(1 - skip);
   }
   clearance = least;
   for (std::size_t k = 0; k < open_count; ++k) {
-    append(shell_->child_begin[open[k]], shell_->child_end[open[k]], next);
+    append(nodes_[open[k]].child_begin, nodes_[open[k]].child_count, next);
   }
 }
 
