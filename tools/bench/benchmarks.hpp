@@ -11,5 +11,10 @@ struct Effort {
 /// Each measures one thing and adds its tables and bars to the report (README).
 void bench_contact(const Effort& effort, Report& report);
 void bench_sample(const Effort& effort, Report& report);
+void bench_bake(const Effort& effort, Report& report);
+void bench_laws(const Effort& effort, Report& report);
+void bench_growth(const Effort& effort, Report& report);
+void bench_start(const Effort& effort, Report& report);
+void bench_accuracy(const Effort& effort, Report& report);
 
 }  // namespace tact::bench

@@ -2,7 +2,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 
+#include "bench/bake.hpp"
 #include "bench/benchmarks.hpp"
 #include "fault/fault.hpp"
 
@@ -15,6 +17,11 @@ struct Benchmark {
 constexpr Benchmark kBenchmarks[] = {
     {"contact", "A contact tick, pose to wrench, against FCL", tact::bench::bench_contact},
     {"sample", "One value of the distance field, against OpenVDB's box sampler", tact::bench::bench_sample},
+    {"bake", "Mesh to field, against OpenVDB's meshToVolume: time, memory, error, sign", tact::bench::bench_bake},
+    {"laws", "Cost of each law by contacts", tact::bench::bench_laws},
+    {"growth", "Tick time by points, voxels and contacts", tact::bench::bench_growth},
+    {"start", "Files in the cache to first wrench", tact::bench::bench_start},
+    {"accuracy", "Time and error by resolution, points and law", tact::bench::bench_accuracy},
 };
 
 int run_bench(int argc, char** argv) {
@@ -62,6 +69,9 @@ int run_bench(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
+    if (argc == 5 && std::string(argv[1]) == "--bake-child") {
+      return tact::bench::bake_child(argv[2], argv[3], std::atoi(argv[4]));
+    }
     return run_bench(argc, argv);
   } catch (const tact::SetupError& e) {
     std::fprintf(stderr, "tact bench: %s\n", e.what());

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/band_points.hpp"
 #include "bench/benchmarks.hpp"
 #include "bench/measure.hpp"
 #include "bench/peers/openvdb_peer.hpp"
@@ -10,33 +11,6 @@
 
 namespace tact::bench {
 namespace {
-
-Vec3 corner(const Mesh& mesh, std::size_t triangle, std::size_t k) {
-  return mesh.vertices[mesh.triangles[triangle][k]].cast<double>();
-}
-
-/// Points uniform by area on the surface, moved by up to the band along each axis, kept where the field is stored.
-std::vector<Vec3> points_in_band(const Mesh& mesh, const DistanceField& field, std::size_t count, unsigned seed) {
-  std::mt19937 rng(seed);
-  std::uniform_real_distribution<double> unit(0, 1);
-  std::vector<double> area;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Vec3 a = corner(mesh, t, 0);
-    area.push_back((corner(mesh, t, 1) - a).cross(corner(mesh, t, 2) - a).norm());
-  }
-  std::discrete_distribution<std::size_t> any_triangle(area.begin(), area.end());
-  std::vector<Vec3> points;
-  while (points.size() < count) {
-    const std::size_t t = any_triangle(rng);
-    double u = unit(rng), v = unit(rng);
-    if (u + v > 1) u = 1 - u, v = 1 - v;
-    const Vec3 a = corner(mesh, t, 0);
-    const Vec3 off = field.band_m() * Vec3(2 * unit(rng) - 1, 2 * unit(rng) - 1, 2 * unit(rng) - 1);
-    const Vec3 p = a + u * (corner(mesh, t, 1) - a) + v * (corner(mesh, t, 2) - a) + off;
-    if (field.sample(p).in_band) points.push_back(p);
-  }
-  return points;
-}
 
 struct Error {
   double largest = 0, rms = 0;
@@ -58,7 +32,9 @@ void bench_sample(const Effort& effort, Report& report) {
              "value; same lattice. Blocks of " +
              std::to_string(kBatch) + " points, taking turns; ns a point, error in voxels against exact distances.");
 
-  auto points = points_in_band(scene.obstacle_O, field, effort.scaled(100) * kBatch, kSeed);
+  auto points = points_near(scene.obstacle_O, field.band_m(), effort.scaled(200) * kBatch, kSeed);
+  std::erase_if(points, [&](const Vec3& p) { return !field.sample(p).in_band; });
+  points.resize(points.size() / kBatch * kBatch);
   std::vector<float> theirs(points.size()), ours(points.size());
 
   // Errors.

@@ -66,13 +66,14 @@ std::vector<Pose> poses_along(const LoadedScene& scene, const std::string& scrip
 }
 
 std::vector<Pose> with_contacts(const LoadedScene& scene, const std::vector<Pose>& poses, std::size_t fewest,
-                                std::size_t most, std::size_t count) {
+                                std::size_t most, std::size_t count, double deepest_m) {
   const auto pipeline = scene.pipeline("none");
   std::vector<Pose> found;
   for (const Pose& X_WM : poses) {
     if (found.size() == count) break;
-    const std::size_t n = pipeline->step(scene.query(X_WM)).contact_count;
-    if (n >= fewest && n <= most) found.push_back(X_WM);
+    const auto& result = pipeline->step(scene.query(X_WM));
+    const std::size_t n = result.contact_count;
+    if (n >= fewest && n <= most && result.max_depth_m <= deepest_m) found.push_back(X_WM);
   }
   if (found.empty()) throw SetupError("scene " + scene.spec.name + ": no pose of the benchmark is in such contact");
   return found;

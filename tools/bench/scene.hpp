@@ -30,9 +30,9 @@ LoadedScene load_scene_by_name(const std::string& name, const std::function<void
 std::vector<Pose> poses_along(const LoadedScene& scene, const std::string& script, std::size_t count, double shift_m,
                               double turn_rad, unsigned seed);
 
-/// The first `count` of `poses` at which the pipeline finds from `fewest` to `most` contacts. Throws SetupError when
-/// none is.
+/// The first `count` of `poses` at which the pipeline finds from `fewest` to `most` contacts, none deeper than
+/// `deepest_m`. Throws SetupError when there is none.
 std::vector<Pose> with_contacts(const LoadedScene& scene, const std::vector<Pose>& poses, std::size_t fewest,
-                                std::size_t most, std::size_t count);
+                                std::size_t most, std::size_t count, double deepest_m = 1);
 
 }  // namespace tact::bench
