@@ -2,10 +2,13 @@
 #include "contact/bake/baked_scene.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/mount.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <thread>
 
@@ -59,6 +62,10 @@ class BakedSceneTest : public testing::Test {
       return error.what();
     }
     return "accepted";
+  }
+  void expect_only_locks() const {
+    for (const auto& entry : std::filesystem::directory_iterator(cache_))
+      EXPECT_EQ(entry.path().extension(), ".lock") << entry.path();
   }
   std::string script(const std::string& body) const {
     const auto path = scratch_.path() / "stand-in";
@@ -283,8 +290,70 @@ TEST_F(BakedSceneTest, CancellingKillsTheChild) {
   EXPECT_THROW(ensure_baked(
                    scene_, cache_, [&](const BakeStep&) { return ++calls < 3; }, kBake),
                SetupError);
+  expect_only_locks();
   scene_.field_resolution = 32;
   EXPECT_NO_THROW(bake());  // and leaves the cache usable
+}
+
+TEST_F(BakedSceneTest, CancellingDoesNotWaitForASilentChild) {
+  int calls = 0;
+  const std::string silent =
+      script("echo '{\"part\":\"obstacle\",\"stage\":\"far field\",\"fraction\":0}'; exec sleep 1000");
+  EXPECT_THROW(ensure_baked(
+                   scene_, cache_, [&](const BakeStep&) { return ++calls < 3; }, silent),
+               SetupError);
+}
+
+TEST_F(BakedSceneTest, AnInterruptedChildIsACancelledBakeAndItsLeftoversGo) {
+  try {
+    bake(script("touch $4/$(ls $4 | grep lock | sed s/lock/field.a1b2c3/); kill -INT $$"));
+    FAIL();
+  } catch (const SetupError& error) {
+    EXPECT_STREQ(error.what(), "bake: cancelled");
+  }
+  expect_only_locks();
+}
+
+TEST_F(BakedSceneTest, TwoProcessesAtOnceShareOneBake) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    try {
+      ::_exit(bake().obstacle.from_cache ? 11 : 10);
+    } catch (...) {
+      ::_exit(12);
+    }
+  }
+  ASSERT_GT(child, 0);
+  const bool from_cache = bake().obstacle.from_cache;
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_EQ(WEXITSTATUS(status), from_cache ? 10 : 11);
+}
+
+TEST_F(BakedSceneTest, AFullCacheDiskIsOneClearErrorAndLeavesNothing) {
+  std::filesystem::create_directories(cache_);
+  if (::mount("tmpfs", cache_.c_str(), "tmpfs", 0, "size=64k") != 0) GTEST_SKIP() << "needs root to mount a small disk";
+  std::string message;
+  try {
+    bake();
+  } catch (const SetupError& error) {
+    message = error.what();
+  }
+  expect_only_locks();
+  EXPECT_EQ(::umount2(cache_.c_str(), MNT_DETACH), 0);
+  EXPECT_TRUE(says(message, "cannot write: No space left on device")) << message;
+}
+
+TEST_F(BakedSceneTest, AnErrorBoundChoosesTheResolution) {
+  scene_.field_error_mm = 0.4;
+  const BakedScene baked = bake();
+  EXPECT_LE(baked.field_error_max_m, 0.4e-3);
+  EXPECT_GT(baked.field_error_max_m, 0.1e-3);  // and no finer than need be
+  const auto report = nlohmann::json::parse(std::ifstream(baked.obstacle.report));
+  EXPECT_NEAR(0.05 / report.at("field").at("resolution").get<double>(), baked.voxel_m, 1e-9);
+  EXPECT_NEAR(report.at("field").at("thinnest_wall_mm").get<double>(), 1e3 * baked.voxel_m, 1e-9);
+  scene_.field_error_mm = 1e-4;
+  EXPECT_TRUE(says(refusal(), "needs more than 4096 cells"));
 }
 
 /// A glTF whose node turns and moves its part, in a file beside it.

@@ -80,6 +80,16 @@ Vote Inside::vote(const Vec3& p) const {
   return {10 * in > 6 * (in + out), 10 * in >= 4 * (in + out) && 10 * in <= 6 * (in + out)};
 }
 
+Vote Inside::careful_vote(const Vec3& p) const {
+  int in = 0;
+  for (const Vec3& d : directions()) {
+    in += ray_says_inside(p, d) ? 1 : 0;
+    in += ray_says_inside(p, -d) ? 1 : 0;
+  }
+  constexpr int kRays = 2 * kPairs;
+  return {10 * in > 6 * kRays, 4 * in >= kRays && 4 * in <= 3 * kRays};
+}
+
 std::vector<std::uint8_t> Inside::parts_around(const Vec3& p) const {
   std::vector<std::uint8_t> rays(role_.size(), 0);
   std::vector<int> winding(role_.size(), 0);

@@ -19,18 +19,24 @@ struct Labels {
   std::uint32_t count = 0;
 };
 
-/// The 13 neighbours of a corner that come later in storage order.
+/// A block with a rim of one, so that no neighbour needs a check of bounds.
+constexpr int kPadded = kBlockCorners + 2;
+constexpr int padded_index(int x, int y, int z) { return ((z + 1) * kPadded + y + 1) * kPadded + x + 1; }
+
+/// The 26 neighbours of a corner.
 struct Step {
-  int x, y, z, offset;
+  int offset;
   double length;
 };
-const std::array<Step, 13> kSteps = [] {
-  std::array<Step, 13> steps{};
+const std::array<Step, 26> kSteps = [] {
+  std::array<Step, 26> steps{};
   std::size_t n = 0;
-  for (int z = 0; z <= 1; ++z) {
-    for (int y = z == 0 ? 0 : -1; y <= 1; ++y) {
-      for (int x = z == 0 && y == 0 ? 1 : -1; x <= 1; ++x) {
-        steps[n++] = {x, y, z, FieldBlock::index(x, y, z), std::sqrt(static_cast<double>(x * x + y * y + z * z))};
+  for (int z = -1; z <= 1; ++z) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int x = -1; x <= 1; ++x) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        steps[n++] = {padded_index(x, y, z) - padded_index(0, 0, 0),
+                      std::sqrt(static_cast<double>(x * x + y * y + z * z))};
       }
     }
   }
@@ -38,34 +44,46 @@ const std::array<Step, 13> kSteps = [] {
 }();
 
 Labels label_block(const FieldBlock& block, double cell_steps) {
-  UnionFind sets(kBlockValues);
-  std::array<int, 13> limits{};
-  for (std::size_t s = 0; s < 13; ++s) limits[s] = static_cast<int>(std::ceil(kSteps[s].length * cell_steps)) + 2;
+  std::array<int, 26> limits{};
+  for (std::size_t s = 0; s < kSteps.size(); ++s) {
+    limits[s] = static_cast<int>(std::ceil(kSteps[s].length * cell_steps)) + 2;  // two roundings
+  }
+  constexpr int kSeen = -1000000;  // and the rim: no sum with it exceeds a limit
+  std::array<int, kPadded * kPadded * kPadded> q;
+  q.fill(kSeen);
+  std::array<std::uint16_t, kBlockValues> place;  // in the padded block
+  std::array<std::uint16_t, kPadded * kPadded * kPadded> index;
+  std::size_t n = 0;
   for (int z = 0; z < kBlockCorners; ++z) {
     for (int y = 0; y < kBlockCorners; ++y) {
-      for (int x = 0; x < kBlockCorners; ++x) {
-        const int i = FieldBlock::index(x, y, z);
-        const int q = block.q[static_cast<std::size_t>(i)];
-        for (std::size_t s = 0; s < 13; ++s) {
-          const Step& step = kSteps[s];
-          const int nx = x + step.x, ny = y + step.y, nz = z + step.z;
-          if (nx < 0 || nx >= kBlockCorners || ny < 0 || ny >= kBlockCorners || nz >= kBlockCorners) continue;
-          if (q + block.q[static_cast<std::size_t>(i + step.offset)] > limits[s]) {
-            sets.join(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i + step.offset));
-          }
-        }
+      for (int x = 0; x < kBlockCorners; ++x, ++n) {
+        place[n] = static_cast<std::uint16_t>(padded_index(x, y, z));
+        index[place[n]] = static_cast<std::uint16_t>(n);
+        q[place[n]] = block.q[n];
       }
     }
   }
-  std::array<std::uint16_t, kBlockValues> size{};
-  for (std::uint32_t i = 0; i < kBlockValues; ++i) ++size[sets.find(i)];
   Labels labels;
   labels.of.fill(kAlone);
-  for (std::uint32_t i = 0; i < kBlockValues; ++i) {
-    const std::uint32_t root = sets.find(i);
-    if (size[root] < 2) continue;
-    if (root == i && labels.count < kAlone) labels.of[i] = static_cast<std::uint8_t>(labels.count++);
-    labels.of[i] = labels.of[root];  // the root is the smallest member, so it has its label by now
+  std::array<std::pair<std::uint16_t, int>, kBlockValues> region;  // places and their values
+  for (const std::uint16_t start : place) {
+    if (q[start] == kSeen) continue;
+    std::size_t size = 0;
+    const auto add = [&](std::size_t at) {
+      region[size++] = {static_cast<std::uint16_t>(at), q[at]};
+      q[at] = kSeen;
+    };
+    add(start);
+    for (std::size_t i = 0; i < size; ++i) {
+      const auto [at, value] = region[i];
+      for (std::size_t s = 0; s < kSteps.size(); ++s) {
+        const auto next = static_cast<std::size_t>(at + kSteps[s].offset);
+        if (value + q[next] > limits[s]) add(next);
+      }
+    }
+    if (size < 2 || labels.count == kAlone) continue;
+    for (std::size_t i = 0; i < size; ++i) labels.of[index[region[i].first]] = static_cast<std::uint8_t>(labels.count);
+    ++labels.count;
   }
   return labels;
 }
@@ -290,8 +308,10 @@ class Solver {
         best[octant] = c;
     }
     for (const int c : best) {
-      bool close = false;
-      if (c >= 0 && (vote(corner(slot, c), close) != first || close)) return leaking;
+      if (c < 0) continue;
+      const Vote v = inside_.careful_vote(corner(slot, c));
+      close_ += v.close ? 1 : 0;
+      if (v.inside != first || v.close) return leaking;
     }
     return first ? inside : outside;
   }
