@@ -133,7 +133,7 @@ void add_belt_drive(Assembly& a) {
     Outline profile{{0, 392}, {p.radius - 20, 392}, {p.radius - 14, 386}, {p.radius, 386}};
     for (int i = 0; i < 6; ++i) {  // grooves
       const double z = 388 + 3.6 * i;
-      profile.insert(profile.end(), {{p.radius, z}, {p.radius - 2.5, z + 1.8}, {p.radius, z + 3.4}});
+      profile.insert(profile.end(), {{p.radius, z}, {p.radius - 2.5, z + 1.8}, {p.radius, z + 3}});
     }
     profile.insert(profile.end(), {{p.radius, 412}, {p.radius - 14, 412}, {p.radius - 20, 402}, {0, 402}});
     a.turned(profile, frame(at, kX));
@@ -155,7 +155,7 @@ void add_belt_drive(Assembly& a) {
     a.turned(body, frame(at - kSeam * kX, -kX), 0.6);
     for (int i = 0; i < 3; ++i) {
       const double angle = 0.4 + 2 * std::numbers::pi * i / 3;
-      a.bolt(at + Vec3(-back, (radius - 20) * std::cos(angle), (radius - 20) * std::sin(angle)), -kX, 6);
+      a.bolt(at + Vec3(-back - kSeam, (radius - 20) * std::cos(angle), (radius - 20) * std::sin(angle)), -kX, 6);
     }
   }
 }

@@ -73,7 +73,7 @@ void add_radiator(Assembly& a) {
       std::vector<Vec3> ring;
       for (int k = 0; k < 24; ++k) {
         const double angle = 2 * std::numbers::pi * k / 24, c = std::cos(angle);
-        ring.emplace_back(hub + r * out + half * c * chord + (1.2 * std::sin(angle) + 2.5 * (1 - c * c)) * thick);
+        ring.emplace_back(hub + r * out + half * c * chord + (1.2 * std::sin(angle) + 0.9 * (1 - c * c)) * thick);
       }
       rings.push_back(std::move(ring));
     }
