@@ -40,10 +40,11 @@ Inside::Inside(Surface surface, std::vector<std::uint32_t> part, std::vector<std
       part_(std::make_shared<const std::vector<std::uint32_t>>(std::move(part))),
       role_(std::move(role)) {}
 
-bool Inside::ray_says_inside(const Vec3& p, const Vec3& direction) const {
+Inside::Answer Inside::ask_ray(const Vec3& p, const Vec3& direction) const {
   std::vector<Crossing>& found = scratch();
   surface_.cross(p, direction, kForEver, found);
   int held = 0;
+  bool by_closed_parts = true;
   std::size_t n = found.size();
   while (n > 0) {  // one part after the other; there are few along a ray
     const std::uint32_t part = this->part(found[n - 1].triangle);
@@ -58,36 +59,40 @@ bool Inside::ray_says_inside(const Vec3& p, const Vec3& direction) const {
       }
     }
     n = others;
+    by_closed_parts = by_closed_parts && part != 0;
     if (part == 0 ? crossings % 2 == 1 : winding != 0) held += role_[part];
   }
-  return held > 0;
+  return {held > 0, by_closed_parts};
 }
 
 Vote Inside::vote(const Vec3& p) const {
   int in = 0, out = 0;
+  bool by_closed_parts = true;
   const auto cast = [&](int from, int to) {
     for (int i = from; i < to; ++i) {
       const Vec3& d = directions()[static_cast<std::size_t>(i)];
-      ++(ray_says_inside(p, d) ? in : out);
-      ++(ray_says_inside(p, -d) ? in : out);
+      for (const Answer answer : {ask_ray(p, d), ask_ray(p, -d)}) {
+        ++(answer.inside ? in : out);
+        by_closed_parts = by_closed_parts && answer.by_closed_parts;
+      }
     }
   };
   cast(0, 2);
-  if (in == 0 || out == 0) return {in > 0, false};
+  if (in == 0 || out == 0) return {in > 0, false, by_closed_parts};
   cast(2, 4);
-  if (in >= 7 || out >= 7) return {in >= 7, false};
+  if (in >= 7 || out >= 7) return {in >= 7, false, false};
   cast(4, kPairs);
-  return {10 * in > 6 * (in + out), 10 * in >= 4 * (in + out) && 10 * in <= 6 * (in + out)};
+  return {10 * in > 6 * (in + out), 10 * in >= 4 * (in + out) && 10 * in <= 6 * (in + out), false};
 }
 
 Vote Inside::careful_vote(const Vec3& p) const {
   int in = 0;
   for (const Vec3& d : directions()) {
-    in += ray_says_inside(p, d) ? 1 : 0;
-    in += ray_says_inside(p, -d) ? 1 : 0;
+    in += ask_ray(p, d).inside ? 1 : 0;
+    in += ask_ray(p, -d).inside ? 1 : 0;
   }
   constexpr int kRays = 2 * kPairs;
-  return {10 * in > 6 * kRays, 4 * in >= kRays && 4 * in <= 3 * kRays};
+  return {10 * in > 6 * kRays, 4 * in >= kRays && 4 * in <= 3 * kRays, false};
 }
 
 std::vector<std::uint8_t> Inside::parts_around(const Vec3& p) const {

@@ -10,6 +10,7 @@ namespace tact::contact {
 struct Vote {
   bool inside = false;
   bool close = false;  ///< 40 to 60 % of the rays said inside: hardly better than a coin
+  bool sure = false;   ///< all agreed, and none met a triangle outside the closed parts
 };
 
 /// Tells inside from outside by rays. Immutable, cheap to copy; any thread.
@@ -37,7 +38,10 @@ class Inside {
   std::uint32_t part(std::uint32_t triangle) const { return (*part_)[triangle]; }
 
  private:
-  bool ray_says_inside(const Vec3& p, const Vec3& direction) const;
+  struct Answer {
+    bool inside, by_closed_parts;
+  };
+  Answer ask_ray(const Vec3& p, const Vec3& direction) const;
 
   Surface surface_;
   std::shared_ptr<const std::vector<std::uint32_t>> part_;

@@ -309,7 +309,8 @@ class Solver {
     }
     for (const int c : best) {
       if (c < 0) continue;
-      const Vote v = inside_.careful_vote(corner(slot, c));
+      Vote v = inside_.vote(corner(slot, c));
+      if (!v.sure) v = inside_.careful_vote(corner(slot, c));
       close_ += v.close ? 1 : 0;
       if (v.inside != first || v.close) return leaking;
     }
