@@ -43,6 +43,32 @@ struct Parts {
   }
 };
 
+/// A scene of the paper's size, ticks alone: FCL would take its time.
+void tick_alone(const std::string& name, const Effort& effort, Report& report) {
+  const LoadedScene scene = load_scene_by_name(name);
+  const auto near = poses_along(scene, "cheat", 20000, 0.002, 0.02, 30);
+  const auto poses = with_contacts(scene, near, 20, 120, effort.scaled(300));
+  const auto pipeline = scene.pipeline();
+  Timings time;
+  double contacts = 0;
+  for (int round = 0; round < 10; ++round) {
+    for (const Pose& X_WM : poses) {
+      const auto query = scene.query(X_WM);
+      time.add(seconds_of([&] { keep(pipeline->step(query).contact_count); }));
+    }
+  }
+  for (const Pose& X_WM : poses) {
+    contacts +=
+        static_cast<double>(pipeline->step(scene.query(X_WM)).contact_count) / static_cast<double>(poses.size());
+  }
+  const Parts p(scene, poses);
+  report.table(
+      {name, "contacts, mean", "tick p50", "p99", "nodes", "traversal", "law", "assemble"},
+      {{std::to_string(poses.size()) + " poses", number(contacts), us(time.median()), us(time.percentile(0.99)),
+        number(p.nodes), us(p.traversal.median()), us(p.law_time.median()), us(p.assemble.median())}});
+  report.bar(name + ", tick of 20 to 120 contacts, median ([P]: under 700)", 1e6 * time.median(), "us", false, 35);
+}
+
 }  // namespace
 
 void bench_contact(const Effort& effort, Report& report) {
@@ -80,6 +106,7 @@ void bench_contact(const Effort& effort, Report& report) {
                rows);
   report.table({"of that, p50", "nodes", "traversal", "ns a node", "law", "assemble"}, parts);
   report.bar("contact tick, about 100 contacts, FCL / Tact at the median", at_100, "x", true, 10);
+  if (!effort.quick) tick_alone("engine", effort, report);
 }
 
 }  // namespace tact::bench
