@@ -103,6 +103,9 @@ class DistanceField {
   double coarse_distance(const Cell& c) const noexcept;
   void adopt(const FieldGrid& grid, const CoarseEntry* coarse, const FieldBlock* blocks) noexcept;
 
+  /// Faces of blocks that a segment shorter than a block crosses at most: neighbours may round a shared corner
+  /// differently, by one step.
+  static constexpr double kFaces = 3;
   /// Points farther than this, in cells, count as not finite.
   static constexpr double kFarthest = 1e100;
   /// The nearest point of the grid to a point outside it is taken a hair inside, in cells, so that it has a cell.
@@ -198,7 +201,7 @@ inline DistanceField::Probe DistanceField::probe_cell(const Cell& c) const noexc
   const double value = ((k.v[0] * ex + k.v[1] * fx) * ey + (k.v[2] * ex + k.v[3] * fx) * fy) * ez +
                        ((k.v[4] * ex + k.v[5] * fx) * ey + (k.v[6] * ex + k.v[7] * fx) * fy) * fz;
   const double clamped = value < -band_m_ ? -band_m_ : value > band_m_ ? band_m_ : value;
-  return {clamped, clamped * static_cast<double>(c.entry->promise)};
+  return {clamped, (clamped - kFaces * scale_m_) * static_cast<double>(c.entry->promise)};
 }
 
 }  // namespace tact

@@ -133,6 +133,7 @@ void probe_chunk(const BatchView& field, const DistanceField::Points& points, do
   const D d;
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0), band = hn::Set(d, field.band_m),
           minus_band = hn::Set(d, -field.band_m);
+  const V face_slack = hn::Set(d, field.face_slack_m);
   const V voxel = hn::Set(d, field.voxel_m), slack = hn::Set(d, field.far_slack_m);
   for (std::size_t i = 0; i < points.size; i += hn::Lanes(d)) {
     const V fx = hn::LoadU(d, s.f[0] + i), fy = hn::LoadU(d, s.f[1] + i), fz = hn::LoadU(d, s.f[2] + i);
@@ -147,7 +148,7 @@ void probe_chunk(const BatchView& field, const DistanceField::Points& points, do
     V value = hn::Min(hn::Max(mean(y0, ez, y1, fz), minus_band), band);
     V promise, far;
     entries(s, i, promise, far);
-    V clearance = hn::Mul(value, promise);
+    V clearance = hn::Mul(hn::Sub(value, face_slack), promise);
     const auto stored = hn::Eq(far, zero);
     if (!hn::AllTrue(d, stored)) {
       const V to_centre = hn::Mul(voxel, hn::Sqrt(hn::LoadU(d, s.centre_square + i)));
@@ -236,6 +237,7 @@ struct BatchAccess {
             DistanceField::kFarSlack * f.voxel_m_,
             DistanceField::kInset,
             DistanceField::kInsetSlack * f.voxel_m_,
+            DistanceField::kFaces * f.scale_m_,
             DistanceField::kFarthest,
             static_cast<std::int32_t>(f.row_),
             static_cast<std::int32_t>(f.slice_)};

@@ -8,7 +8,7 @@ struct BatchView {
   const CoarseEntry* coarse;
   const FieldBlock* blocks;
   double min_O[3], cells[3];
-  double voxel_m, inverse_voxel, band_m, scale_m, far_slack_m, inset, inset_slack_m, farthest;
+  double voxel_m, inverse_voxel, band_m, scale_m, far_slack_m, inset, inset_slack_m, face_slack_m, farthest;
   std::int32_t row, slice;
 };
 

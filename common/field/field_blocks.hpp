@@ -32,7 +32,7 @@ struct CoarseEntry {
   std::uint32_t slot_and_flags = kNotStored;
   /// Not stored: conservative unsigned distance of the block's centre to the body's boundary, m.
   /// Stored: 1 / steepest slope of positive values within the band of this block, at most 1: no sample is negative
-  /// nearer than `promise` times the value. 0 near jumps of the sign. Set by finish().
+  /// nearer than `promise` times the value (less three steps). 0 near jumps of the sign. Set by finish().
   float promise = 0;
 
   std::uint32_t slot() const noexcept { return slot_and_flags & kSlotMask; }

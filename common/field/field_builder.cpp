@@ -57,7 +57,8 @@ bool face_denies(const FieldBlock& block, int axis, bool upper, bool inside) {
   return false;
 }
 
-/// Whether two stored neighbours disagree about a corner of the face they share; `next` is the upper one.
+/// Whether two stored neighbours disagree about a corner of the face they share by more than rounding; `next` is the
+/// upper one.
 bool corners_differ(const FieldBlock& block, const FieldBlock& next, int axis) {
   for (int a = 0; a < kBlockCorners; ++a) {
     for (int b = 0; b < kBlockCorners; ++b) {
@@ -65,9 +66,10 @@ bool corners_differ(const FieldBlock& block, const FieldBlock& next, int axis) {
       c[(axis + 1) % 3] = a;
       c[(axis + 2) % 3] = b;
       c[axis] = kBlockCells;
-      const auto above = static_cast<std::size_t>(FieldBlock::index(c[0], c[1], c[2]));
+      const int below = block.q[static_cast<std::size_t>(FieldBlock::index(c[0], c[1], c[2]))];
       c[axis] = 0;
-      if (block.q[above] != next.q[static_cast<std::size_t>(FieldBlock::index(c[0], c[1], c[2]))]) return true;
+      const int above = next.q[static_cast<std::size_t>(FieldBlock::index(c[0], c[1], c[2]))];
+      if (std::abs(below - above) > 1) return true;
     }
   }
   return false;
