@@ -246,6 +246,24 @@ class Trimmer {
   std::vector<Fate> fates_;
 };
 
+/// Whether the segment from a to b comes within a hair of the triangle. The distance to a convex body is convex along a
+/// line, so thirds close in on its minimum, and it changes no faster than the place.
+bool touches(const Triangle& t, const Vec3& a, const Vec3& b, double hair) {
+  const double length = (b - a).norm();
+  const auto distance = [&](double along) { return std::sqrt(t.square_distance(a + (along / length) * (b - a))); };
+  for (double low = 0, high = length; high - low > 0.1 * hair;) {
+    const double third = (high - low) / 3, left = distance(low + third), right = distance(high - third);
+    if (std::min(left, right) <= hair) return true;
+    if (std::min(left, right) > hair + third) return false;
+    if (left < right) {
+      high -= third;
+    } else {
+      low += third;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 TrianglePairs find_crossings(const Mesh& mesh, const std::vector<std::uint32_t>& part, const Surface& surface,
@@ -271,9 +289,9 @@ TrianglePairs find_crossings(const Mesh& mesh, const std::vector<std::uint32_t>&
       const std::size_t end = k + 1 < first.size() ? first[k + 1] : edges.size();
       for (std::size_t i = first[k]; i < end; ++i) {
         const std::uint32_t t = edges[i].triangle;
-        const bool neighbours =
-            part[t] == part[c.triangle] && share_a_corner(mesh.triangles[t], mesh.triangles[c.triangle]);
-        if (neighbours) continue;
+        if (part[t] == part[c.triangle] && share_a_corner(mesh.triangles[t], mesh.triangles[c.triangle])) continue;
+        // Single precision takes an edge in the plane of a triangle for one that meets it, however far away.
+        if (!touches(surface.triangle(c.triangle), a - surface.middle(), b - surface.middle(), hair)) break;
         const std::lock_guard lock(mutex);
         pairs.emplace_back(t, c.triangle);
         pairs.emplace_back(c.triangle, t);
