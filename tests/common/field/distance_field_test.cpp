@@ -213,6 +213,19 @@ TEST(DistanceField, SoundBodiesHaveNoJumps) {
   EXPECT_LT(tally.stored, parts.grid.block_count());
 }
 
+TEST(DistanceField, OneStepBetweenNeighboursIsRoundingAndTwoAreAJump) {
+  const FieldParts sound = sample_distance(make_grid(Vec3(-0.04, -0.03, -0.02), Vec3(0.04, 0.03, 0.02), 0.001), box);
+  for (const int steps : {1, 2}) {
+    FieldParts parts = sound;
+    for (FieldBlock& block : parts.blocks) {
+      auto& q = block.q[static_cast<std::size_t>(FieldBlock::index(kBlockCells, 4, 4))];
+      q = static_cast<std::int16_t>(q - steps);
+    }
+    EXPECT_EQ(finish(parts).jumps > 0, steps == 2);
+    if (steps == 1) expect_clearance_holds(make_field(std::move(parts)), 10);
+  }
+}
+
 TEST(DistanceField, BodiesCutByTheGridAreServed) {
   const auto half_space = [](const Vec3& p) { return p.z(); };
   const DistanceField field = build_field(Vec3(-0.05, -0.05, -0.02), Vec3(0.05, 0.05, 0.02), 0.002, half_space);

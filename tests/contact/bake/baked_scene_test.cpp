@@ -351,7 +351,7 @@ TEST_F(BakedSceneTest, AnErrorBoundChoosesTheResolution) {
   EXPECT_GT(baked.field_error_max_m, 0.1e-3);  // and no finer than need be
   const auto report = nlohmann::json::parse(std::ifstream(baked.obstacle.report));
   EXPECT_NEAR(0.05 / report.at("field").at("resolution").get<double>(), baked.voxel_m, 1e-9);
-  EXPECT_NEAR(report.at("field").at("thinnest_wall_mm").get<double>(), 1e3 * baked.voxel_m, 1e-9);
+  EXPECT_NEAR(report.at("field").at("thinnest_wall_the_grid_honours_mm").get<double>(), 1e3 * baked.voxel_m, 1e-9);
   scene_.field_error_mm = 1e-4;
   EXPECT_TRUE(says(refusal(), "needs more than 4096 cells"));
 }

@@ -309,6 +309,36 @@ TEST(BakeField, LowerBoundsAndClearancesHoldOnBakedFields) {
   }
 }
 
+TEST(BakeField, NeighboursRoundACommonCornerAtMostOneStepApart) {
+  const auto apart = [](const Mesh& mesh, int resolution, double sheet_thickness_m) {
+    FieldReport report;
+    const FieldParts parts = bake_field(clean_soup(mesh), {resolution, 4, sheet_thickness_m}, {}, report);
+    EXPECT_EQ(report.jumping_blocks, 0u);
+    const auto& n = parts.grid.blocks;
+    int most = 0;
+    for (int i = 0; i < n[0] * n[1] * n[2]; ++i) {
+      const int x = i % n[0], y = i / n[0] % n[1], z = i / (n[0] * n[1]);
+      const CoarseEntry& entry = parts.coarse[parts.grid.block_index(x, y, z)];
+      if (x + 1 == n[0] || !entry.stored() || !parts.coarse[parts.grid.block_index(x + 1, y, z)].stored()) continue;
+      const FieldBlock &a = parts.blocks[entry.slot()],
+                       &b = parts.blocks[parts.coarse[parts.grid.block_index(x + 1, y, z)].slot()];
+      for (int k = 0; k < kBlockCorners * kBlockCorners; ++k) {
+        const int j = k % kBlockCorners, l = k / kBlockCorners;
+        most = std::max(most, std::abs(a.q[static_cast<std::size_t>(FieldBlock::index(kBlockCells, j, l))] -
+                                       b.q[static_cast<std::size_t>(FieldBlock::index(0, j, l))]));
+      }
+    }
+    return most;
+  };
+  Mesh rod = test::box_mesh(Vec3(0, 0, 0), Vec3(0.5, 0.01, 0.013));  // its triangles are as long as the grid
+  const Eigen::AngleAxisf R(0.3f, Eigen::Vector3f(1, 2, 3).normalized());
+  for (auto& v : rod.vertices) v = R * v;
+  for (const int cells : {96, 500}) EXPECT_LE(apart(rod, cells, 0), 1);
+  EXPECT_LE(apart(fine_torus(), 128, 0), 1);
+  rod.triangles.resize(2);
+  EXPECT_LE(apart(rod, 200, 0.02), 1);  // a plate
+}
+
 TEST(BakeField, CancelsWhenAsked) {
   const Soup soup = clean_soup(fine_torus());
   FieldReport report;

@@ -102,8 +102,8 @@ json to_json(const FieldReport& r) {
           {"error_largest_m", r.quality.error_largest_m},
           {"error_rms_m", r.quality.error_rms_m},
           {"sign_mismatches", r.quality.sign_mismatches},
-          {"thinnest_wall_mm", 1e3 * thinnest_wall_m(r.voxel_m)},
-          {"smallest_clearance_mm", 1e3 * thinnest_wall_m(r.voxel_m)},
+          {"thinnest_wall_the_grid_honours_mm", 1e3 * thinnest_wall_m(r.voxel_m)},
+          {"narrowest_gap_the_grid_honours_mm", 1e3 * thinnest_wall_m(r.voxel_m)},
           {"surface_without_inside", r.quality.surface_without_inside},
           {"surface_without_outside", r.quality.surface_without_outside}};
 }

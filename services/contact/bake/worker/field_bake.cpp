@@ -75,42 +75,6 @@ void for_each_stored(const char* stage, FieldParts& parts, const StageProgress& 
                  [&](std::size_t slot) { body(slot, at[slot][0], at[slot][1], at[slot][2]); });
 }
 
-/// Distances come from each block's own origin in single precision, so neighbours may round a common corner one step
-/// apart. The first stored block that holds a corner decides: no sample changes across a face.
-void agree_on_corners(FieldParts& parts, const StageProgress& progress) {
-  const FieldGrid& grid = parts.grid;
-  for_each_stored("common corners", parts, progress, [&](std::size_t slot, int x, int y, int z) {
-    const auto owner = [&](int cx, int cy, int cz) {  // a corner is never written by the block that decides it
-      const auto from = [](int c) { return c == 0 ? -1 : 0; };
-      const auto to = [](int c) { return c == kBlockCells ? 1 : 0; };
-      for (int dz = from(cz); dz <= to(cz); ++dz) {
-        for (int dy = from(cy); dy <= to(cy); ++dy) {
-          for (int dx = from(cx); dx <= to(cx); ++dx) {
-            const int nx = x + dx, ny = y + dy, nz = z + dz;
-            if (nx < 0 || ny < 0 || nz < 0 || nx >= grid.blocks[0] || ny >= grid.blocks[1] || nz >= grid.blocks[2]) {
-              continue;
-            }
-            const CoarseEntry& entry = parts.coarse[grid.block_index(nx, ny, nz)];
-            if (!entry.stored()) continue;
-            const int i = FieldBlock::index(cx - kBlockCells * dx, cy - kBlockCells * dy, cz - kBlockCells * dz);
-            return parts.blocks[entry.slot()].q.data() + i;
-          }
-        }
-      }
-      return static_cast<std::int16_t*>(nullptr);
-    };
-    for (int cz = 0; cz < kBlockCorners; ++cz) {
-      for (int cy = 0; cy < kBlockCorners; ++cy) {
-        const bool rim = cz % kBlockCells == 0 || cy % kBlockCells == 0;
-        for (int cx = 0; cx < kBlockCorners; cx += rim ? 1 : kBlockCells) {
-          std::int16_t& mine = parts.blocks[slot].q[static_cast<std::size_t>(FieldBlock::index(cx, cy, cz))];
-          if (const std::int16_t* decides = owner(cx, cy, cz); decides != &mine) mine = *decides;
-        }
-      }
-    }
-  });
-}
-
 /// Unsigned distances of all stored corners to the solid part.
 void solid_distances(FieldParts& parts, const SplitSoup& split, const StageProgress& progress) {
   const double limit = parts.grid.range_m() * (1 + 1e-6);
@@ -153,12 +117,8 @@ FieldParts bake_field(const Soup& soup, const FieldOptions& options, const Stage
 
   coarse_distances(parts, split, progress);
   solid_distances(parts, split, progress);
-  agree_on_corners(parts, progress);
   report.signs = settle_signs(parts, split.inside, progress);
-  if (!split.sheets.empty()) {
-    add_sheets(parts, split, progress);
-    agree_on_corners(parts, progress);
-  }
+  if (!split.sheets.empty()) add_sheets(parts, split, progress);
   const FieldTally tally = finish(parts);
 
   report.resolution = options.resolution;
