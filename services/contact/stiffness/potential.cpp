@@ -64,6 +64,7 @@ void Potential::weigh(ContactBuffer& contacts) noexcept {
   work_.symmetric = true;
   double deepest = 0;
   for (std::size_t i = 0; i < contacts.size; ++i) {
+    __builtin_prefetch(&classes_[class_of_[contacts.point_id[i]]]);
     deepest = std::max(deepest, contacts.depth_m[i]);
     work_.symmetric = work_.symmetric && &contacts.force_direction(i) == &contacts.g[i];
   }
@@ -76,6 +77,8 @@ void Potential::weigh(ContactBuffer& contacts) noexcept {
       c.group = static_cast<std::uint32_t>(work_.size++);
       PotentialGroup& fresh = work_.group[c.group];
       fresh.support = c.support;
+      __builtin_prefetch(supports_.direction.data() + c.support.begin);
+      __builtin_prefetch(supports_.beta.data() + c.support.begin);
       fresh.own = {};
       if (!work_.symmetric) fresh.other = {};
     }

@@ -49,7 +49,8 @@ class Traversal {
     double depth_m;
     std::uint32_t id;
   };
-  /// All that a visit reads of a node: half a cache line, children side by side.
+  /// All that a visit reads of a node: half a cache line, children side by side. Nodes that are taken together with
+  /// their children have none.
   struct alignas(32) Node {
     float x, y, z, radius;  ///< T, m
     std::uint32_t child_begin, child_count;
@@ -60,6 +61,7 @@ class Traversal {
     std::vector<std::uint32_t> id;
   };
 
+  void search(const Mat3& R_OT, const Vec3& p_OT, bool want_clearance, Findings& found) noexcept;
   void append(std::uint32_t begin, std::uint32_t count, Queue& to) const noexcept;
   void visit(std::span<const std::uint32_t> ids, const Mat3& R_OT, const Vec3& p_OT, Queue& next,
              double& clearance) noexcept;
@@ -72,6 +74,8 @@ class Traversal {
   Queue level_, next_level_;
   std::vector<Candidate> candidates_;
   std::size_t candidate_count_ = 0;
+  std::uint32_t top_size_ = 0;  ///< nodes of the top levels, taken at once whatever they promise
+  bool touched_ = false;        ///< the last find() had contacts
 };
 
 }  // namespace tact::contact

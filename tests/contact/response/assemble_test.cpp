@@ -122,6 +122,58 @@ TEST(Assemble, GIsTheDerivativeOfTheWrenchForEveryLaw) {
   }
 }
 
+/// The formulas of assemble.hpp, contact by contact, for weights that do not follow the depths.
+Response by_definition(const ContactBuffer& c, double k, double damping, const Twist& V) {
+  Response out;
+  Vec6 F = Vec6::Zero();
+  for (std::size_t i = 0; i < c.size; ++i) {
+    const Vec3 &r = c.r[i], &g = c.g[i], &e = c.force_direction(i);
+    Vec6 s, sh;
+    s << e, r.cross(e);
+    sh << g, r.cross(g);
+    const double w = c.weight[i], spring = k * c.depth_m[i], speed = s.dot(V.vector());
+    const double b = std::fabs(speed) > 0 ? std::min(damping, spring / std::fabs(speed)) : damping;
+    F += w * (spring - b * speed) * s;
+    out.G -= k * w * s * sh.transpose();
+    out.K += k * w * s * s.transpose();
+    out.B += w * b * s * s.transpose();
+    const Vec3 f = w * spring * e;
+    if (e == g) {
+      out.G.block<3, 3>(3, 3) += skew(f) * skew(r);
+    } else {
+      out.G.block<3, 3>(0, 3) -= skew(f);
+      out.G.block<3, 3>(3, 3) -= skew(r.cross(f));
+    }
+  }
+  out.F = Wrench::from(F);
+  return out;
+}
+
+TEST(Assemble, AnyNumberOfContactsSumsUpAsDefined) {
+  std::mt19937 rng(26);
+  for (int n = 1; n <= 40; ++n) {
+    const ContactSet set = test::random_contacts(rng, n);
+    const auto law = make_law("none", {}, set.shell(), set.size());
+    for (const ForceDirection along : {ForceDirection::gradient, ForceDirection::normal}) {
+      ContactBuffer contacts = set.buffer();
+      contacts.force_along = along;
+      law->weigh(contacts);
+      for (std::size_t i = 0; i < contacts.size; ++i) {
+        contacts.weight[i] = test::uniform(rng, 0.1, 1);
+        contacts.g[i] = rng() % 4 == 0 ? Vec3(Vec3::Zero()) : test::random_unit(rng);
+      }
+      for (const double damping : {0.0, 1.0, 1e3}) {
+        const Twist V = Twist::from(Vec6(1e-2 * Vec6::Random()));
+        const Response a = assemble(contacts, *law, 1000, damping, V), b = by_definition(contacts, 1000, damping, V);
+        EXPECT_LT((a.F.vector() - b.F.vector()).norm(), 1e-12 * (1 + b.F.vector().norm())) << n;
+        EXPECT_LT((a.G - b.G).norm(), 1e-12 * b.G.norm()) << n;
+        EXPECT_LT((a.K - b.K).norm(), 1e-12 * b.K.norm()) << n;
+        EXPECT_LE((a.B - b.B).norm(), 1e-12 * b.B.norm()) << n;
+      }
+    }
+  }
+}
+
 /// The points of a set that are inside the field at a pose.
 ContactBuffer touching(const ContactSet& points, const Field& field, const Pose& X_OT, ForceDirection along) {
   const ContactBuffer all = contacts_at(points, field, X_OT, along);
