@@ -43,7 +43,8 @@ def main():
     parser.add_argument("paths", type=pathlib.Path, nargs="+")
     options = parser.parse_args()
     print(ROW.format("mesh", "triangles", "open", "rms", "largest", "jumps", "doubtful", "seconds"))
-    groups = {"closed": [], "with open parts": []}
+    names = ("closed", "with holes that were capped", "with open parts")
+    groups = {name: [] for name in names}
     refused = 0
     for mesh in files_of(options.paths):
         report = bake(options.bake, mesh, options.cells)
@@ -54,8 +55,8 @@ def main():
         field, soup = report["field"], report["soup"]
         rms, largest = (field[k] / field["voxel_m"] for k in ("error_rms_m", "error_largest_m"))
         doubtful = field["doubtful_blocks"] / max(1, field["blocks_stored"])
-        groups["with open parts" if soup["open_components"] else "closed"].append(
-            (rms, largest, field["jumping_blocks"], doubtful, field["sign_mismatches"]))
+        group = names[2 if soup["open_components"] else 1 if soup["capped_holes"] else 0]
+        groups[group].append((rms, largest, field["jumping_blocks"], doubtful, field["sign_mismatches"]))
         print(ROW.format(mesh.name, soup["triangles_kept"], soup["open_components"], f"{rms:.4f}", f"{largest:.3f}",
                          field["jumping_blocks"], f"{100 * doubtful:.1f} %", f"{report['seconds']:.1f}"), flush=True)
     for name, rows in groups.items():

@@ -12,7 +12,7 @@ struct SolidReport {
   std::size_t swallowed_parts = 0;       ///< wholly inside another and facing as it does: taken as solid
   std::size_t guessed_cavities = 0;      ///< wholly inside another and of no trusted orientation: taken as a cavity
   std::size_t overlaps = 0;              ///< pairs of closed parts that interpenetrate: their union is the body
-  std::size_t self_crossing_parts = 0;   ///< closed parts that pass through themselves
+  std::size_t self_crossing_parts = 0;   ///< closed parts that touch or pass through themselves
   std::size_t crossing_triangles = 0;    ///< that others pass through
   std::size_t buried_triangles = 0;      ///< dropped, whole or in part: inside the union
   std::size_t parity_triangles = 0;      ///< in no closed part: inside and outside by the parity of crossings
