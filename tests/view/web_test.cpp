@@ -12,6 +12,8 @@
 #include <condition_variable>
 #include <fstream>
 #include <mutex>
+#include <optional>
+#include <thread>
 
 #include "fault/fault.hpp"
 #include "view/web/access.hpp"
@@ -324,12 +326,56 @@ TEST_F(WebServerTest, AClientThatTakesNothingForTooLongIsDropped) {
   start();
   auto asleep = open();
   ASSERT_TRUE(until([&] { return joined.size() == 1; }));
-  for (bool dropped = false; !dropped;) {
+  bool dropped = false;
+  for (int i = 0; i < 2000 && !dropped; ++i) {
     server->send_newest(Slot::picture, std::string(100000, ' '));
     std::unique_lock lock(mutex);
     dropped = changed.wait_for(lock, std::chrono::milliseconds(20), [&] { return !left.empty(); });
   }
+  const std::lock_guard lock(mutex);
   EXPECT_EQ(left, std::vector<ClientId>{joined[0].first});
+}
+
+/// A client takes the only seat and, with a picture on its way that no buffer holds, reads no more.
+class FullWindow : public WebServerTest {
+ protected:
+  FullWindow() {
+    options.max_connections = 1;
+    options.max_events = 1;
+    options.max_silence = std::chrono::hours(1);  // must not be what helps
+    start();
+    client.emplace(open());
+    client->next_layer().set_option(boost::asio::socket_base::receive_buffer_size(4096));
+    EXPECT_TRUE(until([&] { return joined.size() == 1; }));
+    server->send_newest(Slot::picture, std::string(32'000'000, ' '));
+    client->next_layer().wait(tcp::socket::wait_read);
+    EXPECT_EQ(get_page(), "") << "the seat is taken";
+  }
+  /// Empty: turned away.
+  std::string get_page() { return raw("GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n"); }
+  bool seat_gets_free() {
+    for (int i = 0; i < 500; ++i) {
+      if (get_page().find("<p>hello</p>") != std::string::npos) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return false;
+  }
+
+  std::optional<Socket> client;
+};
+
+TEST_F(FullWindow, HalfClosingFreesTheSeat) {
+  client->next_layer().shutdown(tcp::socket::shutdown_send);
+  EXPECT_TRUE(until([&] { return left.size() == 1; }));
+  EXPECT_TRUE(seat_gets_free());
+}
+
+TEST_F(FullWindow, HalfClosingFreesTheSeatAlsoWhenTheGoodbyeCannotGoOut) {
+  for (int i = 0; i < 2; ++i) server->send_event_to_all("one too many");
+  EXPECT_TRUE(until([&] { return left.size() == 1; }));
+  EXPECT_EQ(get_page(), "") << "the goodbye waits behind the picture";
+  client->next_layer().shutdown(tcp::socket::shutdown_send);
+  EXPECT_TRUE(seat_gets_free());
 }
 
 TEST_F(WebServerTest, AFloodOfMessagesIsReadSlowlyAndHurtsNobody) {

@@ -50,20 +50,18 @@ void WebClient::watch() {
   pulse_.expires_after(loop_.options.max_silence / kLooks);
   pulse_.async_wait([self = shared_from_this()](beast::error_code error) {
     if (error) return;
-    auto& socket = beast::get_lowest_layer(self->socket_).socket();
-    const Progress now = progress_of(socket.native_handle());
+    const Progress now = progress_of(beast::get_lowest_layer(self->socket_).socket().native_handle());
     const bool took = now.nothing_waits || now.taken_bytes != self->taken_bytes_;
     self->taken_bytes_ = now.taken_bytes;
     self->still_ = took ? 0 : self->still_ + 1;
     if (!self->closing_ && self->still_ < kLooks) return self->watch();
-    self->leave();
-    socket.close(error);
+    self->cut();
   });
 }
 
 void WebClient::read() {
   socket_.async_read(incoming_, [self = shared_from_this()](beast::error_code error, std::size_t bytes) {
-    if (error) return self->leave();  // gone, silent, or a message too big: Beast has told it why
+    if (error) return self->cut();  // gone, or a message too big: Beast has told it why
     self->heard(bytes);
   });
 }
@@ -109,7 +107,7 @@ void WebClient::write() {
   socket_.async_write(boost::asio::buffer(*in_flight_),
                       [self = shared_from_this()](beast::error_code error, std::size_t) {
                         self->in_flight_.reset();
-                        if (error) return self->leave();
+                        if (error) return self->cut();
                         self->write();
                       });
 }
@@ -118,15 +116,22 @@ void WebClient::close(websocket::close_code code, const char* reason) {
   if (closing_) return;
   leave();
   watch();  // a client that does not even take the goodbye is cut off
-  socket_.async_close({code, reason}, [self = shared_from_this()](beast::error_code) {});
+  socket_.async_close({code, reason}, [self = shared_from_this()](beast::error_code) { self->cut(); });
 }
 
 void WebClient::leave() {
   closing_ = true;
   breath_.cancel();
-  pulse_.cancel();
   if (joined_) loop_.leave(id);
   joined_ = false;
+}
+
+// Whatever still waits on the socket ends with it: a client that said goodbye but takes nothing would hold a write, and
+// with it this object and its seat, for as long as it likes.
+void WebClient::cut() {
+  leave();
+  pulse_.cancel();
+  beast::get_lowest_layer(socket_).close();
 }
 
 }  // namespace tact::view

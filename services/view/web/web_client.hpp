@@ -26,7 +26,8 @@ class WebClient : public std::enable_shared_from_this<WebClient> {
   void heard(std::size_t bytes);
   void write();
   void watch();
-  void leave();
+  void leave();  ///< gets and says nothing more; until the end, watch() runs on
+  void cut();    ///< the end: nothing is left to wait for
 
   WebLoop& loop_;
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
