@@ -104,8 +104,7 @@ int serve(const ServiceOptions& options) {
   ToolSample probe;
   probe.X_WT = config.X_WT_start;
   probe.X_WO = config.X_WO;
-  ContactLink link(session, low, health, *mail,
-                   {.probe = probe, .field_hash = scene->field_hash, .shell_hash = scene->shell_hash});
+  ContactLink link(session, low, health, *mail, {.probe = probe, .scene = scene->identity});
   FlightRecorder recorder(config.rate_hz, kFlightHistory_s, session.run_dir);
   CouplingLoop loop(config, *device, *mail, &recorder);
   const rt::CpuDmaLatency awake;

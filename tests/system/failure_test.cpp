@@ -112,6 +112,36 @@ TEST(ContactServerRestarted, WithAnotherMeshIsRefusedByNameAndTheArmStaysCalm) {
   EXPECT_NE(state.faults & bit(Fault::wrench_stale), 0u);
   const auto& F = state.F_coupling_W.force;
   EXPECT_EQ(std::abs(F.x) + std::abs(F.y) + std::abs(F.z), 0);
+
+  // No restart takes the other scene over: neither coupling's alone ...
+  bool went_live = false;
+  const auto refused_by_another_than = [&](std::uint32_t pid) {
+    went_live |= observer.active();
+    return refused() && observer.health("coupling")->pid != pid;
+  };
+  kill(static_cast<pid_t>(coupling), SIGKILL);
+  ASSERT_TRUE(eventually([&] { return refused_by_another_than(coupling); }, seconds{60})) << run.output();
+  // ... nor the one of all shared-memory processes.
+  const auto second = observer.health("coupling")->pid;
+  const auto roudi = pids_of("iox-roudi");
+  ASSERT_EQ(roudi.size(), 1u);
+  kill(roudi.front(), SIGKILL);
+  ASSERT_TRUE(eventually([&] { return refused_by_another_than(second); }, seconds{60})) << run.output();
+  const auto third = observer.health("coupling")->pid;
+  const auto since = std::chrono::steady_clock::now();
+  ASSERT_TRUE(eventually([&] {
+    went_live |= observer.active();
+    return std::chrono::steady_clock::now() - since > seconds{4};  // twice the supervisor's patience
+  }));
+  EXPECT_FALSE(went_live) << run.output();
+  EXPECT_TRUE(refused());
+  EXPECT_EQ(observer.health("coupling")->pid, third) << run.output();
+
+  // The right one may come back.
+  write_mesh("tool.obj", 20);
+  kill(static_cast<pid_t>(observer.health("contact")->pid), SIGKILL);
+  EXPECT_TRUE(eventually([&] { return observer.active(); }, seconds{60})) << run.output();
+  EXPECT_FALSE(refused());
   EXPECT_EQ(run.stop(), 0) << run.output();
   EXPECT_TRUE(names(run.report(), "scene_changed")) << run.report().dump(2);
   EXPECT_NE(run.output().find("restart the session"), std::string::npos) << run.output();

@@ -173,7 +173,8 @@ bool Supervisor::up(const Service& service) const {
          health->phase >= wire::kConnecting;
 }
 
-/// Other bodies under the same hand: coupling refuses them, and stays calm until a person restarts the session.
+/// Other bodies under the same hand: coupling refuses them, and stays calm until a person restarts the session. So does
+/// every coupling started again: the scene the session began with is kept in the run directory.
 void Supervisor::watch_scene() {
   const auto coupling = monitor_->alive("coupling");
   const bool changed = coupling && (coupling->faults & bit(Fault::scene_changed)) != 0;
@@ -199,7 +200,7 @@ void Supervisor::watch_shared_memory() {
       note(fault_names(bit(Fault::transport_degraded)), "RouDi is gone; the haptic pair goes on without it for now");
     if (restart) return restart_shared_memory("RouDi was gone");
   }
-  // Refused, not stuck: a new coupling would bring the other scene under the hand.
+  // Refused, not stuck: new processes would refuse it again.
   if (fresh_watch_.stuck(now, up(service("contact")) && up(service("coupling")) && !scene_changed_, fresh())) {
     restart_shared_memory("no fresh wrench 2 s after a restart");
   }

@@ -23,6 +23,7 @@ namespace tact::supervise {
 ///   contact or coupling dies   restarted: its successor uses topic names of its own
 ///   ... and no fresh wrench    in 2 s: RouDi and both restarted together (a killed process can leave queues locked)
 ///   RouDi dies                 pairs go on: degraded; all restarted together when out of contact, or after 10 s
+///   other bodies are served    coupling refuses them and is left alone; restarted for other reasons, it refuses again
 ///   view dies                  restarted; nobody waits for it
 ///   too many deaths            contact, coupling: the session ends with a fault; view: it goes on without
 class Supervisor {

@@ -2,7 +2,6 @@
 
 #include "coupling/link/messages.hpp"
 #include "fault/fault.hpp"
-#include "file/sealed_file.hpp"
 #include "log/log.hpp"
 
 namespace tact::coupling {
@@ -131,8 +130,9 @@ bool ContactLink::check_proof() {
     stop_ = true;
     return false;
   }
-  if (proof.field_hash != params_.field_hash || proof.shell_hash != params_.shell_hash) {
-    refuse_scene(proof);
+  if (const SceneIdentity found{proof.field_hash, proof.shell_hash}; found != params_.scene) {
+    connection_->refused = true;  // stays connected, so that the next server is noticed; none of its replies counts
+    refuse_scene(health_, found, params_.scene);
     return false;
   }
   connection_->reply_ns = now_ns();
@@ -213,18 +213,6 @@ void ContactLink::refuse(const std::string& why) {
   changed_.notify_all();
 }
 
-/// Stays connected, so that the next server is noticed; no reply of this one reaches the loop.
-void ContactLink::refuse_scene(const TransportProof& proof) {
-  connection_->refused = true;
-  const std::string text = "the contact server serves another scene: found field " + hex(proof.field_hash) +
-                           " and pointshell " + hex(proof.shell_hash) + ", this session began with " +
-                           hex(params_.field_hash) + " and " + hex(params_.shell_hash) +
-                           ". Has a mesh file changed? The arm stays calm: restart the session";
-  health_.set_faults(bit(Fault::scene_changed), bit(Fault::scene_changed));
-  health_.phase(wire::kDegraded, text);
-  log_error(text);
-}
-
 void ContactLink::send(const std::shared_ptr<Connection>& connection, HapticThread::Control& control) noexcept {
   wire::ToolPose pose;
   to_wire(params_.probe, session_id_, epoch_, pose);
@@ -254,7 +242,7 @@ void ContactLink::receive(const std::shared_ptr<Connection>& connection, HapticT
     const std::int64_t now = now_ns();
     const bool ours = wrench.pose_epoch == epoch_ && wrench.session_id == session_id_ &&
                       wrench.server_epoch == connection->server_epoch && (wrench.pose_seq & kProofSeq) == 0 &&
-                      wrench.field_hash == params_.field_hash && wrench.shell_hash == params_.shell_hash;
+                      SceneIdentity{wrench.field_hash, wrench.shell_hash} == params_.scene;
     if (!ours || !finite(wrench)) continue;
     from_wire(wrench, reply);
     reply.received_mono_ns = now;

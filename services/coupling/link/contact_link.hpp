@@ -8,6 +8,7 @@
 #include <string>
 #include <thread>
 
+#include "coupling/link/first_scene.hpp"
 #include "coupling/loop/mailboxes.hpp"
 #include "fault/fault.hpp"
 #include "link/haptic_connector.hpp"
@@ -36,8 +37,8 @@ class ContactLink {
   struct Params {
     int priority = 70;  ///< SCHED_FIFO of the send and receive threads; 0: normal
     int cpu = -1;
-    ToolSample probe;                              ///< the pose the transport is proven with: where the tool starts
-    std::uint64_t field_hash = 0, shell_hash = 0;  ///< of the scene the loop was made for
+    ToolSample probe;     ///< the pose the transport is proven with: where the tool starts
+    SceneIdentity scene;  ///< the one the loop was made for
   };
 
   /// The fault bits of Health this class sets and clears.
@@ -87,7 +88,6 @@ class ContactLink {
   void lose(const std::string& why);
   void report_waiting();
   void check_transport();
-  void refuse_scene(const TransportProof& proof);
   void refuse(const std::string& why);
   bool stopping();
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 
+#include "coupling/link/first_scene.hpp"
 #include "link/wire.hpp"
 #include "math/pose.hpp"
 
@@ -9,8 +10,8 @@ namespace tact::coupling {
 /// What coupling needs to know of the bodies, as the contact server baked them: the wire's SceneInfo in our own types.
 struct SceneModel {
   std::uint64_t server_epoch = 0;
-  std::uint64_t field_hash = 0, shell_hash = 0;  ///< of the baked bodies: every reply must name the same
-  Pose X_TM;                                     ///< mesh frame of the tool in T
+  SceneIdentity identity;  ///< every reply must name the same
+  Pose X_TM;               ///< mesh frame of the tool in T
   Pose X_WO;
   Mat3 inertia_shape_m2 = Mat3::Zero();  ///< inertia of unit mass about To in T
   double gyration_radius_m = 0;

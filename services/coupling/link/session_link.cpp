@@ -54,7 +54,14 @@ SessionLink::SessionLink(const Session& session, const Participant& low, HealthR
 std::optional<SceneModel> SessionLink::wait_scene(milliseconds limit) {
   wire::Message<wire::SceneInfo> info;
   if (!scenes_.wait(std::chrono::nanoseconds{limit}.count()) || !scenes_.take_newest(info)) return std::nullopt;
-  return scene_model(info);
+  SceneModel scene = scene_model(info);
+  const SceneIdentity first = first_scene(session_.run_dir, scene.identity);
+  if (scene.identity != first) {
+    refuse_scene(health_, scene.identity, first);
+    return std::nullopt;
+  }
+  health_.set_faults(bit(Fault::scene_changed), 0);
+  return scene;
 }
 
 void SessionLink::start(const LoopParameters& in_force) {

@@ -24,8 +24,9 @@ class SessionLink {
   SessionLink& operator=(const SessionLink&) = delete;
 
   /// Before start(): the scene as the contact server loaded it, empty after `limit`. Call it in steps that look at the
-  /// stop signal; the server may bake for minutes first (its Health tells). Throws SetupError when it makes no
-  /// sense (scene_model).
+  /// stop signal; the server may bake for minutes first (its Health tells). Empty also for another scene than this
+  /// session began with (first_scene): Health says Fault::scene_changed then, and the device stays closed until a
+  /// server with the right one comes. Throws SetupError when the scene makes no sense (scene_model).
   std::optional<SceneModel> wait_scene(std::chrono::milliseconds limit);
 
   /// After it the loop may run. `in_force` is what the loop was made with.

@@ -77,7 +77,7 @@ std::filesystem::path FlightRecorder::dump(const std::string& reason) {
   out << "# tact flight record, schema 1: " << reason << '\n'
       << "tick,t_mono_ns,pose_seq,reply_seq,wrench_age_ticks,faults,contact_count" << pose_columns("X_WH")
       << pose_columns("X_WT") << wrench_columns("F_contact_W") << wrench_columns("F_sent_W") << pose_columns("X_sent")
-      << twist_columns("V_sent") << ",max_depth_m,tick_ns\n";
+      << ",max_depth_m,tick_ns" << twist_columns("V_sent") << '\n';  // new columns come last
   for (const TickRecord& r : history_) {
     out << r.tick << ',' << r.t_mono_ns << ',' << r.pose_seq << ',' << r.reply_seq << ',' << r.wrench_age_ticks << ','
         << r.faults << ',' << r.contact_count;
@@ -88,9 +88,10 @@ std::filesystem::path FlightRecorder::dump(const std::string& reason) {
     put(out, r.F_sent_W.force);
     put(out, r.F_sent_W.torque);
     put(out, r.X_sent);
+    out << ',' << r.max_depth_m << ',' << r.tick_ns;
     put(out, r.V_sent.linear);
     put(out, r.V_sent.angular);
-    out << ',' << r.max_depth_m << ',' << r.tick_ns << '\n';
+    out << '\n';
   }
   out.close();
   std::error_code failed;

@@ -32,8 +32,7 @@ TEST(SceneModel, KeepsTheNumbersOfTheServer) {
   info.X_TM.position.x = 0.25;
   info.X_TM.orientation.w = 1 + 1e-5;
   const SceneModel model = scene_model(info);
-  EXPECT_EQ(model.field_hash, 11u);
-  EXPECT_EQ(model.shell_hash, 22u);
+  EXPECT_EQ(model.identity, (SceneIdentity{11, 22}));
   EXPECT_EQ(model.X_TM.p.x(), 0.25);
   EXPECT_DOUBLE_EQ(model.X_TM.q.w(), 1);
   EXPECT_EQ(model.inertia_shape_m2(2, 2), 8e-4);
@@ -113,6 +112,35 @@ TEST(SceneModel, EveryInertiaOfPointMassesIsTakenAndNoneThatNoBodyHas) {
   wire::SceneInfo info = some_scene();
   std::fill(std::begin(info.inertia_shape_m2), std::end(info.inertia_shape_m2), 0.0);
   expect_refused(info, "inertia_shape_m2");
+}
+
+TEST(SceneModel, OfABodyThatIsTooLargeTheUnitIsAskedForAndNotTheCache) {
+  const auto said = [](const auto& change) {
+    wire::SceneInfo info = some_scene();
+    change(info);
+    try {
+      scene_model(info);
+    } catch (const SetupError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  const auto asks_for_unit = [](const std::string& text) { return text.find("--unit") != std::string::npos; };
+  const auto blames_cache = [](const std::string& text) { return text.find("cached") != std::string::npos; };
+  const std::string large[]{said([](auto& s) { s.tool_radius_m = 2870; }), said([](auto& s) { s.voxel_m = 1e-12; }),
+                            said([](auto& s) { s.X_TM.position.y = -1435; }), said([](auto& s) {
+                              for (double& I : s.inertia_shape_m2) I *= 1e10;
+                            })};
+  for (const std::string& text : large) {
+    EXPECT_TRUE(asks_for_unit(text)) << text;
+    EXPECT_FALSE(blames_cache(text)) << text;
+  }
+  const std::string damaged[]{said([](auto& s) { s.tool_radius_m = kNan; }), said([](auto& s) { s.voxel_m = 0; }),
+                              said([](auto& s) { s.X_TM.orientation.w = 0; })};
+  for (const std::string& text : damaged) {
+    EXPECT_FALSE(asks_for_unit(text)) << text;
+    EXPECT_TRUE(blames_cache(text)) << text;
+  }
 }
 
 TEST(SceneModel, AnotherSchemaIsRefused) {

@@ -5,6 +5,7 @@
 
 #include "coupling/link/some_scene.hpp"
 #include "fault/fault.hpp"
+#include "file/sealed_file.hpp"
 #include "link/convert.hpp"
 #include "support/process.hpp"
 
@@ -13,16 +14,17 @@ namespace {
 
 using namespace std::chrono_literals;
 
-Session make_session(const std::string& device) {
+Session make_session(const std::string& device, const std::filesystem::path& run_dir) {
   Session session;
   session.name = std::to_string(::getpid()) + "-low";
+  session.run_dir = run_dir;
   session.machine.device = device;
   session.machine.transport = "udp";
   return session;
 }
 
 struct Fixture {
-  explicit Fixture(const std::string& device = "simulated") : session(make_session(device)) {}
+  explicit Fixture(const std::string& device = "simulated") : session(make_session(device, dir.path())) {}
   /// Calls `say` until `heard`: discovery takes a moment.
   static bool until(const std::function<void()>& say, const std::function<bool()>& heard) {
     return test::eventually([&] {
@@ -32,6 +34,7 @@ struct Fixture {
     });
   }
 
+  const test::ScratchDir dir;
   const Session session;
   Mailboxes mail;
   const Participant low{wire::Channel::session, session};
@@ -154,6 +157,30 @@ TEST(SessionLink, TheSceneIsTakenFromTheServer) {
   ASSERT_TRUE(model);
   EXPECT_EQ(model->server_epoch, 4u);
   EXPECT_EQ(model->X_TM.p.x(), 0.25);
+}
+
+TEST(SessionLink, ACouplingStartedAgainRefusesAnotherSceneThanTheSessionBeganWith) {
+  Fixture f;
+  const SceneIdentity first{11, 22};
+  ASSERT_EQ(first_scene(f.session.run_dir, first), first);  // its predecessor
+  Publisher<wire::SceneInfo> scenes(f.low);
+  wire::SceneInfo info = some_scene();
+  for (const SceneIdentity& other : {SceneIdentity{11, 23}, SceneIdentity{12, 22}}) {
+    info.field_hash = other.field_hash;
+    info.shell_hash = other.shell_hash;
+    scenes.write(info);
+    ASSERT_TRUE(test::eventually([&] {
+      EXPECT_FALSE(f.link.wait_scene(10ms));
+      return std::string(f.health.now().detail).find(hex(other.shell_hash)) != std::string::npos;
+    }));
+    EXPECT_EQ(f.health.now().faults, bit(Fault::scene_changed));
+    EXPECT_EQ(f.health.now().phase, wire::kDegraded);
+  }
+  scenes.write(some_scene());
+  const auto model = f.link.wait_scene(5s);
+  ASSERT_TRUE(model) << "the right one came back";
+  EXPECT_EQ(model->identity, first);
+  EXPECT_EQ(f.health.now().faults, 0u);
 }
 
 TEST(SessionLink, ASceneWithoutSenseIsRefusedBeforeTheLoopBegins) {
