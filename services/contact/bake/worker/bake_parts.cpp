@@ -156,7 +156,8 @@ std::vector<std::string> solid_warnings(const BodySpec& body, const SolidReport&
     w.push_back(name + n(r.overlaps) + " pairs of parts interpenetrate or touch: the body is their union");
   }
   if (r.self_crossing_parts > 0) {
-    w.push_back(name + n(r.self_crossing_parts) + " parts touch or pass through themselves: inside is where they wind at all");
+    w.push_back(name + n(r.self_crossing_parts) +
+                " parts touch or pass through themselves: inside is where they wind at all");
   }
   if (r.swallowed_parts > 0) {
     w.push_back(name + n(r.swallowed_parts) +
