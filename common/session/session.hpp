@@ -61,7 +61,7 @@ struct SceneSpec {
   std::filesystem::path file;
   BodySpec obstacle, tool;
   int field_resolution = 256;  ///< cells along the longest side of the obstacle
-  double field_error_mm = 0;   ///< > 0: as many cells as keep the field's largest error below this, instead
+  double field_error_mm = 0;   ///< > 0: as many cells as keep the field's error below this at random samples, instead
   int points = 10000;
   int levels = 7;
   Pose X_WO;

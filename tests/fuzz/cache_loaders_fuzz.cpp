@@ -20,10 +20,19 @@ namespace {
 void use(const tact::DistanceField& field) {
   const tact::Vec3 low = field.min_O(), size = field.max_O() - low;
   volatile double sink = 0;
-  for (int i = 0; i < 64; ++i) {
+  constexpr std::size_t kPoints = 64;
+  double x[kPoints], y[kPoints], z[kPoints], out[6][kPoints];
+  std::uint8_t flags[kPoints];
+  for (int i = 0; i < static_cast<int>(kPoints); ++i) {
     const tact::Vec3 p = low + size.cwiseProduct(tact::Vec3(i % 4, i / 4 % 4, i / 16) / 3.0);
     sink = sink + field.sample(p).value_m + field.probe(p).clearance_m + field.lower_bound(p);
+    x[i] = p.x();
+    y[i] = p.y();
+    z[i] = p.z();
   }
+  const tact::DistanceField::Points points{x, y, z, kPoints};
+  field.probe(points, out[0], out[1]);
+  field.sample(points, {out[2], out[3], out[4], out[5], flags});
 }
 
 }  // namespace

@@ -44,9 +44,16 @@ double peak_mb() {
   return static_cast<double>(use.ru_maxrss) / 1e3;
 }
 
+/// One word for the shell.
+std::string quoted(const std::string& word) {
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
 Json run_child(const std::string& who, const std::string& scene, int cells) {
-  const std::string command = std::filesystem::read_symlink("/proc/self/exe").string() + " --bake-child " + who + " '" +
-                              scene + "' " + std::to_string(cells);
+  const std::string command = quoted(std::filesystem::read_symlink("/proc/self/exe")) + " --bake-child " + who + " " +
+                              quoted(scene) + " " + std::to_string(cells);
   FILE* pipe = ::popen(command.c_str(), "r");
   std::string text;
   for (int c; pipe != nullptr && (c = std::fgetc(pipe)) != EOF;) text += static_cast<char>(c);

@@ -6,9 +6,11 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -42,20 +44,33 @@ void limit_memory() {
 #endif
 }
 
-volatile std::sig_atomic_t stop_asked = 0;
+std::atomic<int> stop_asked = 0;         ///< the signal; also asked by TBB's threads
+std::atomic<bool> interruptible = true;  ///< nothing is half-written, and nobody asks stop_asked: reading a mesh
+static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 
-/// Ctrl-C and a polite end: what is half-written is removed, then the signal does what it does.
+/// Ctrl-C and a polite end: what is half-written is removed, then the signal does what it does. While a mesh is read,
+/// and the second time, it does so at once.
 void stop_when_asked() {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int number) { stop_asked = number; });
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    std::signal(signal, [](int number) {
+      if (stop_asked.exchange(number) == 0 && !interruptible) return;
+      std::signal(number, SIG_DFL);
+      std::raise(number);  // ends the process when this handler returns
+    });
+  }
 }
 
 StageProgress reporter(const Options& options, const std::string& part) {
-  if (!options.progress) return [](const char*, double) { return stop_asked == 0; };
+  const auto go_on = [](const char* stage) {
+    interruptible = std::strcmp(stage, "reading") == 0;
+    return stop_asked == 0;
+  };
+  if (!options.progress) return [go_on](const char* stage, double) { return go_on(stage); };
   // Twenty lines a second are plenty, but each new stage is worth one.
-  return [part, last = std::chrono::steady_clock::time_point(), stage_before = std::string()](const char* stage,
-                                                                                              double fraction) mutable {
+  return [go_on, part, last = std::chrono::steady_clock::time_point(), stage_before = std::string()](
+             const char* stage, double fraction) mutable {
     const auto now = std::chrono::steady_clock::now();
-    if (stop_asked != 0) return false;
+    if (!go_on(stage)) return false;
     if (stage == stage_before && now - last < std::chrono::milliseconds(50)) return true;
     last = now;
     stage_before = stage;
@@ -125,6 +140,7 @@ int main(int argc, char** argv) {
   std::string body = "bake";
   try {
     bake(options, body);
+    if (stop_asked != 0) throw Cancelled();  // while the last file was written
   } catch (const std::bad_alloc&) {
     return fail(options, body + ": not enough memory for this bake: lower the resolution or simplify the mesh");
   } catch (const Cancelled&) {

@@ -24,21 +24,37 @@ struct Kind {
   std::function<void(const std::filesystem::path&)> save, load;
 };
 
-/// Asks a field everything a server asks, wherever a tool may be.
+/// Asks a field everything a server asks, one by one and many at once, wherever a tool may be.
 void use(const DistanceField& field) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> unit(-0.5, 1.5);
-  double sum = 0;
-  for (int i = 0; i < 200; ++i) {
-    const Vec3 p =
-        field.min_O() + Vec3(unit(random), unit(random), unit(random)).cwiseProduct(field.max_O() - field.min_O());
-    sum += field.sample(p).value_m + field.probe(p).clearance_m + field.lower_bound(p);
-  }
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const Vec3& p : {Vec3(nan, 0, 0), Vec3(1e300, -1e300, 0), field.min_O(), field.max_O()}) {
-    sum += field.sample(p).value_m + field.probe(p).clearance_m + field.lower_bound(p);
+  std::vector<Vec3> points{Vec3(nan, 0, 0), Vec3(1e300, -1e300, 0), field.min_O(), field.max_O()};
+  while (points.size() < 203) {  // no multiple of any SIMD width
+    points.push_back(field.min_O() +
+                     Vec3(unit(random), unit(random), unit(random)).cwiseProduct(field.max_O() - field.min_O()));
   }
-  static_cast<void>(sum);
+  const std::size_t n = points.size();
+  std::vector<double> x, y, z, probed(n), clearance(n), value(n), gx(n), gy(n), gz(n);
+  std::vector<std::uint8_t> flags(n);
+  for (const Vec3& p : points) x.push_back(p.x()), y.push_back(p.y()), z.push_back(p.z());
+  const DistanceField::Points many{x.data(), y.data(), z.data(), n};
+  field.probe(many, probed.data(), clearance.data());
+  field.sample(many, {value.data(), gx.data(), gy.data(), gz.data(), flags.data()});
+  const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+  std::size_t differ = 0;
+  volatile double sink = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto sample = field.sample(points[i]);
+    const auto probe = field.probe(points[i]);
+    sink = sink + field.lower_bound(points[i]);
+    const bool agree =
+        same(sample.value_m, value[i]) && same(probe.value_m, probed[i]) && same(probe.clearance_m, clearance[i]) &&
+        same(sample.gradient.x(), gx[i]) && same(sample.gradient.y(), gy[i]) && same(sample.gradient.z(), gz[i]) &&
+        flags[i] == (sample.in_band ? DistanceField::kInBand : 0) + (sample.doubtful ? DistanceField::kDoubtful : 0);
+    differ += agree ? 0 : 1;
+  }
+  EXPECT_EQ(differ, 0u);
 }
 
 std::vector<Kind> kinds() {

@@ -194,10 +194,23 @@ void write_report(const BakedFiles& files, json report, const char* part, const 
   std::filesystem::rename(temporary, files.report);
 }
 
-constexpr int kFewestCells = 32, kMostCells = 4096;
+constexpr int kFewestCells = 32, kFewestUnprovenCells = 256, kMostCells = 4096;
+
+/// Why a bake whose samples meet an error bound does not prove it: "" when it does.
+std::string missing_evidence(const FieldQuality& q) {
+  constexpr std::size_t kFewestSamples = 1000;
+  if (q.error_samples < kFewestSamples) {
+    return "the error could be measured at only " + std::to_string(q.error_samples) + " of 20000 samples";
+  }
+  if (q.sign_mismatches > 0) {
+    return std::to_string(q.sign_mismatches) + " samples have the wrong sign and are not in the error";
+  }
+  return "";
+}
 
 /// The field at the scene's number of cells, or at the number its error bound needs: errors are nearly proportional to
-/// the voxel, so a coarse bake tells the number and the bake itself proves it.
+/// the voxel, so a coarse bake tells the number and the bake itself proves it. One that cannot prove it is no coarser
+/// than the usual field, and warns.
 FieldParts bake_to_order(const SceneSpec& scene, const Soup& soup, const StageProgress& progress, FieldReport& report) {
   const double bound_m = 1e-3 * scene.field_error_mm;
   const auto bake = [&](int cells) {
@@ -220,7 +233,11 @@ FieldParts bake_to_order(const SceneSpec& scene, const Soup& soup, const StagePr
     }
     FieldParts parts = bake(cells);
     const double error = report.quality.error_largest_m;
-    if (error <= bound_m) return parts;
+    if (error <= bound_m) {
+      if (cells >= kFewestUnprovenCells || missing_evidence(report.quality).empty()) return parts;
+      cells = kFewestUnprovenCells;
+      continue;
+    }
     cells = std::max(cells + 1, clamped(1.03 * cells * error / bound_m));
   }
 }
@@ -242,7 +259,8 @@ void bake_obstacle(const SceneSpec& scene, const BakedFiles& files, std::uint64_
   const std::string name = body_name(body) + ": ";
   if (r.signs.doubtful_blocks > 0) {
     warnings.push_back(name + "inside and outside are uncertain in " + std::to_string(r.signs.doubtful_blocks) +
-                       " of " + std::to_string(r.blocks_stored) + " blocks of the field");
+                       " of " + std::to_string(r.blocks_stored) + " blocks of the field" +
+                       (scene.field_error_mm > 0 ? "; there obstacle.field_error_mm promises nothing" : ""));
   }
   if (r.jumping_blocks > 0) {
     warnings.push_back(name + "the sign changes without a surface in " + std::to_string(r.jumping_blocks) + " blocks");
@@ -251,6 +269,10 @@ void bake_obstacle(const SceneSpec& scene, const BakedFiles& files, std::uint64_
     warnings.push_back(name + "the sign differs from an independent vote at " +
                        std::to_string(r.quality.sign_mismatches) + " of " + std::to_string(r.quality.error_samples) +
                        " random samples");
+  }
+  if (const std::string missing = missing_evidence(r.quality); scene.field_error_mm > 0 && !missing.empty()) {
+    warnings.push_back(name + "obstacle.field_error_mm is NOT proven: " + missing +
+                       "; repair the mesh, or set sheet_thickness_m if its open parts are sheets");
   }
   if (r.quality.surface_without_inside > 0.005) {
     warnings.push_back(name + percent(r.quality.surface_without_inside) +

@@ -16,8 +16,8 @@ struct DoubtfulPlace {
 /// What a field is worth, by asking it.
 struct FieldQuality {
   std::size_t error_samples = 0;                ///< random points in the band, outside doubtful blocks
-  double error_largest_m = 0, error_rms_m = 0;  ///< interpolated against exact signed distance
-  std::size_t sign_mismatches = 0;     ///< samples farther than a tenth of a voxel from the surface with the other sign
+  double error_largest_m = 0, error_rms_m = 0;  ///< interpolated against exact signed distance, of those
+  std::size_t sign_mismatches = 0;     ///< samples more than a voxel wrong, with the other sign: not error samples
   double surface_without_inside = 0;   ///< fraction of the surface with no inside within 1.5 voxels: sheets, thin walls
   double surface_without_outside = 0;  ///< likewise no outside: gaps too narrow
   std::vector<DoubtfulPlace> doubtful_places;  ///< the largest first, at most twenty

@@ -1,5 +1,6 @@
 #include "contact/bake/worker/inside.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -95,22 +96,29 @@ Vote Inside::careful_vote(const Vec3& p) const {
   return {10 * in > 6 * kRays, 4 * in >= kRays && 4 * in <= 3 * kRays, false};
 }
 
-std::vector<std::uint8_t> Inside::parts_around(const Vec3& p) const {
-  std::vector<std::uint8_t> rays(role_.size(), 0);
-  std::vector<int> winding(role_.size(), 0);
+std::vector<std::uint32_t> Inside::parts_around(const Vec3& p) const {
+  std::vector<std::uint32_t> held;  // once for each ray that says so
   std::vector<Crossing>& found = scratch();
   for (const Vec3& d : directions()) {
     found.clear();
     surface_.cross(p, d, kForEver, found);
-    for (const Crossing& c : found) winding[part(c.triangle)] += c.against ? 1 : -1;
-    for (const Crossing& c : found) {
-      const std::uint32_t k = part(c.triangle);
-      if (k == 0 ? winding[0] % 2 != 0 : winding[k] != 0) ++rays[k];  // the sum has the parity of the count
-      winding[k] = 0;
+    const auto by_part = [&](const Crossing& a, const Crossing& b) { return part(a.triangle) < part(b.triangle); };
+    std::sort(found.begin(), found.end(), by_part);
+    for (auto c = found.begin(); c != found.end();) {
+      const std::uint32_t k = part(c->triangle);
+      int winding = 0;
+      for (; c != found.end() && part(c->triangle) == k; ++c) winding += c->against ? 1 : -1;
+      if (k == 0 ? winding % 2 != 0 : winding != 0) held.push_back(k);  // the sum has the parity of the count
     }
   }
-  for (std::uint8_t& r : rays) r = 2 * r > kPairs;
-  return rays;
+  std::sort(held.begin(), held.end());
+  std::vector<std::uint32_t> around;
+  for (auto first = held.begin(); first != held.end();) {
+    const auto last = std::upper_bound(first, held.end(), *first);
+    if (2 * (last - first) > kPairs) around.push_back(*first);
+    first = last;
+  }
+  return around;
 }
 
 }  // namespace tact::contact

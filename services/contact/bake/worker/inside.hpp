@@ -31,8 +31,8 @@ class Inside {
   /// vote() may all leave through the same hole.
   Vote careful_vote(const Vec3& p) const;
 
-  /// By part: whether p is inside it, by the majority of twelve rays.
-  std::vector<std::uint8_t> parts_around(const Vec3& p) const;
+  /// The parts that p is inside, by the majority of twelve rays; sorted. Costs what the rays meet, however many parts.
+  std::vector<std::uint32_t> parts_around(const Vec3& p) const;
 
   const Surface& surface() const { return surface_; }
   std::uint32_t part(std::uint32_t triangle) const { return (*part_)[triangle]; }

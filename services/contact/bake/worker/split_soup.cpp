@@ -1,6 +1,7 @@
 #include "contact/bake/worker/split_soup.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -36,16 +37,17 @@ Containers find_containers(const Whole& whole, const Inside& inside, std::size_t
   parallel_stage("nested parts", parts, progress, [&](std::size_t i) {
     const auto part = static_cast<std::uint32_t>(i + 1);
     if (members[part].empty()) return;  // nothing but slivers
-    std::vector<std::uint8_t> all(parts + 1, 1);
+    std::vector<std::uint32_t> all;     // that hold every probe so far; sorted
     for (std::size_t k = 0; k < kProbes; ++k) {
       const auto& t = whole.mesh.triangles[members[part][k * members[part].size() / kProbes]];
       Vec3 middle = Vec3::Zero();
       for (const std::uint32_t v : t) middle += whole.mesh.vertices[v].cast<double>() / 3;
-      const std::vector<std::uint8_t> around = inside.parts_around(middle);
-      for (std::size_t p = 0; p <= parts; ++p) all[p] = all[p] && around[p];
+      std::vector<std::uint32_t> around = inside.parts_around(middle), both;
+      std::set_intersection(all.begin(), all.end(), around.begin(), around.end(), std::back_inserter(both));
+      all = k == 0 ? std::move(around) : std::move(both);
     }
-    for (std::uint32_t p = 0; p <= parts; ++p) {
-      if (p != part && all[p] && !overlaps.count(std::minmax(p, part))) containers[part].push_back(p);
+    for (const std::uint32_t p : all) {
+      if (p != part && !overlaps.count(std::minmax(p, part))) containers[part].push_back(p);
     }
   });
   return containers;

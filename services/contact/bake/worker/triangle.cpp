@@ -64,10 +64,10 @@ SmallTriangle::SmallTriangle(const Triangle& t) {
   inverse_normal = static_cast<float>(t.inverse_normal);
 }
 
-__attribute__((target_clones("arch=haswell", "default"))) void lower_square_distances(const SmallTriangle& triangle,
-                                                                                      const Vec3& base, const float* x,
-                                                                                      const float* y, const float* z,
-                                                                                      std::size_t count, float* best) {
+__attribute__((target_clones("avx2", "default"))) void lower_square_distances(const SmallTriangle& triangle,
+                                                                              const Vec3& base, const float* x,
+                                                                              const float* y, const float* z,
+                                                                              std::size_t count, float* best) {
   const SmallTriangle t = triangle;  // so that the stores to best cannot alias it
   const auto ox = static_cast<float>(base.x() - t.first[0]), oy = static_cast<float>(base.y() - t.first[1]),
              oz = static_cast<float>(base.z() - t.first[2]);
@@ -95,10 +95,9 @@ __attribute__((target_clones("arch=haswell", "default"))) void lower_square_dist
   }
 }
 
-__attribute__((target_clones("arch=haswell", "default"))) float bound_distances(const float* x, const float* y,
-                                                                                const float* z, const float* radius,
-                                                                                std::size_t count, const float* p,
-                                                                                float* low) {
+__attribute__((target_clones("avx2", "default"))) float bound_distances(const float* x, const float* y, const float* z,
+                                                                        const float* radius, std::size_t count,
+                                                                        const float* p, float* low) {
   const float px = p[0], py = p[1], pz = p[2];
   float least = std::numeric_limits<float>::max();
   for (std::size_t i = 0; i < count; ++i) {
