@@ -356,6 +356,19 @@ TEST_F(BakedSceneTest, AnErrorBoundChoosesTheResolution) {
   EXPECT_TRUE(says(refusal(), "needs more than 4096 cells"));
 }
 
+TEST_F(BakedSceneTest, AnErrorBoundSaysWhereItPromisesNothing) {
+  scene_.field_error_mm = 5;
+  const auto warnings = [&] {
+    return nlohmann::json::parse(std::ifstream(bake().obstacle.report)).at("warnings").dump();
+  };
+  EXPECT_FALSE(says(warnings(), "field_error_mm"));
+  Mesh tray = test::box_mesh(Vec3(0, 0, 0), Vec3(50, 30, 20));
+  tray.triangles.resize(10);
+  scene_.obstacle.mesh = file("tray.obj");
+  write_obj(tray, scene_.obstacle.mesh);
+  EXPECT_TRUE(says(warnings(), "obstacle.field_error_mm promises nothing"));
+}
+
 /// A glTF whose node turns and moves its part, in a file beside it.
 TEST_F(BakedSceneTest, NodeTransformsAreApplied) {
   const Mesh box = test::box_mesh(Vec3(0, 0, 0), Vec3(1, 2, 3));
