@@ -12,6 +12,8 @@ namespace {
 
 struct Case {
   std::string script, law, mode;
+
+  friend void PrintTo(const Case& c, std::ostream* out) { *out << c.script << ", " << c.law << ", " << c.mode; }
 };
 
 std::vector<Case> cases() {
