@@ -1,5 +1,8 @@
 #include "session/session.hpp"
 
+#include <cmath>
+#include <numbers>
+#include <sstream>
 #include <utility>
 
 #include "fault/fault.hpp"
@@ -36,6 +39,16 @@ void check_body(const std::string& where, const std::string& name, const BodySpe
 }
 
 void check_scene(const SceneSpec& scene, const std::string& where, const std::string& prefix) {
+  // Directions are sqrt(4 pi / n) apart; every normal must reach a few (law `potential` relies on it).
+  const double reach_min_deg =
+      1.5 * std::sqrt(4 * std::numbers::pi / scene.contact.directions) * 180 / std::numbers::pi;
+  if (scene.contact.reach_deg < reach_min_deg) {
+    std::ostringstream found;
+    found << scene.contact.reach_deg;
+    refuse(where, prefix + "contact.reach_deg", found.str(),
+           std::to_string(std::lround(std::ceil(reach_min_deg))) + " or more with " +
+               std::to_string(scene.contact.directions) + " directions (contact.directions)");
+  }
   check_body(where, prefix + "obstacle", scene.obstacle);
   check_body(where, prefix + "tool", scene.tool);
   for (const auto& [name, script] : scene.scripts) {
@@ -52,11 +65,18 @@ bool mentions(const std::vector<Entry>& entries, const std::string& key) {
   return false;
 }
 
-/// `entries`: of one file, in which neither of two that exclude each other was said last.
-void check_run(const Session& s, const std::string& where, const std::vector<Entry>& entries = {}) {
-  if (mentions(entries, "run.script") && mentions(entries, "run.hand")) {
-    refuse(where, "run.hand", "run.script stated as well", "one of them: both move the hand");
+/// Notes that `file` moves the hand, when it does. Whether what it names is there is asked once all has been said
+/// (check_run): a later file or the command line may say otherwise.
+void note_run(RunSpec& run, const std::filesystem::path& file, const std::vector<Entry>& entries) {
+  const bool script = mentions(entries, "run.script"), hand = mentions(entries, "run.hand");
+  if (script && hand) {
+    refuse(file.string() + ": ", "run.hand", "run.script stated as well", "one of them: both move the hand");
   }
+  if (script || hand) run.said_in = file;
+}
+
+void check_run(const Session& s) {
+  const std::string where = s.run.said_in.empty() ? "" : s.run.said_in.string() + ": ";
   if (!s.run.hand_csv.empty()) check_file(where, "run.hand", s.run.hand_csv);
   if (s.run.script.empty() || s.scene.scripts.count(s.run.script) != 0) return;
   std::string known;
@@ -104,7 +124,7 @@ void load_scene(const std::filesystem::path& path, Session& session) {
     refuse(where, "contact.stiffness_n_per_m", "f_max_n stated as well", "one of them: F_max = k x_max links them");
   }
   check_scene(scene, where, "");
-  check_run(session, where, entries);
+  note_run(session.run, path, entries);
 }
 
 SceneSpec load_scene(const std::filesystem::path& path) {
@@ -120,7 +140,7 @@ void load_machine(const std::filesystem::path& path, Session& session) {
   auto keys = session::machine_keys(session.machine, folder_of(path));
   session::append(keys, session::run_keys(session.run, folder_of(path)));
   session::apply(entries, keys, path);
-  check_run(session, path.string() + ": ", entries);
+  note_run(session.run, path, entries);
 }
 
 Session load_session(const std::filesystem::path& path) {
@@ -135,7 +155,8 @@ Session load_session(const std::filesystem::path& path) {
   if (s.name.empty()) refuse(where, "name", "nothing", "the name of the session");
   if (s.run_dir.empty()) refuse(where, "run_dir", "nothing", "a path to a folder");
   check_scene(s.scene, where, scene_prefix);
-  check_run(s, where, entries);
+  note_run(s.run, path, entries);
+  check_run(s);
   return s;
 }
 
@@ -147,7 +168,7 @@ void save_session(const Session& s, const std::filesystem::path& path) {
 void check_session(const Session& session) {
   const auto& file = session.scene.file;
   check_scene(session.scene, file.empty() ? "" : file.string() + ": ", "");
-  check_run(session, "");
+  check_run(session);
 }
 
 std::optional<ScriptSpec> scripted_hand(const Session& session) {
@@ -165,6 +186,7 @@ void set_key(Session& session, const std::string& key, const std::string& value)
   session::append(keys, session::run_keys(next.run, base));
   session::apply_text(key, value, keys);
   keep_last_said(key, session.scene, next.scene);
+  if (key == "run.script" || key == "run.hand") next.run.said_in.clear();
   session = std::move(next);
 }
 

@@ -99,6 +99,7 @@ struct RunSpec {
   double for_s = 0;  ///< ends by itself after this time in contact service; 0: it does not
   std::filesystem::path report,
       plot;  ///< written at the end, JSON and PNG; empty: none, and the plot beside the report
+  std::filesystem::path said_in;  ///< the file whose script or hand holds, for messages; empty: the command line
 };
 
 /// Everything a service needs to know: written by `tact run` to <run_dir>/session.toml, read by each service.

@@ -18,9 +18,9 @@ struct Response {
 /// sh_i = (g_i, r_i x g_i):
 ///   F = sum_i f_i s_i,   f_i = w_i (k depth_i - b_i s_i.V),   b_i = min(b, k depth_i / |s_i.V|)
 ///   G = -k sum_ij s_i H_ij sh_j^T + T    H: see Law::include_weight_derivative
-///   T = [0, -[F]x; 0, -[tau]x] of elastic forces along N, which turn with the tool;
-///       [0, 0; 0, sum [F_i]x [r_i]x] of those along g, which do not (the field's
-///       own curvature is left out: relative error depth / radius)
+///   T = [0, -[F]x; 0, -[tau]x]              F, tau: elastic, of contacts along N, which turns with the tool
+///     + [0, 0; 0, sum_i [F_i]x [r_i]x]      F_i: elastic, of contacts along g, which does not turn
+///       (the field's own curvature is left out: relative error depth / radius)
 ///   K =  k sum_ij s_i H_ij s_j^T
 ///   B = sum_i w_i b_i s_i s_i^T
 /// A contact's damping is never larger than its spring force: no contact pulls, and none begins with a step. G leaves

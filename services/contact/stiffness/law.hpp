@@ -15,7 +15,7 @@ struct LawParams {
   int n0 = 10;                  ///< eq. 2: contacts before scaling begins. >= 1
   int p = 16;                   ///< potential: exponent of the depths. [2, 64]
   int q = 8;                    ///< potential: sharpness of beta. [1, 64]
-  double reach_deg = 60;        ///< potential: beta is zero beyond this angle. [86 / sqrt(directions / 16), 180]
+  double reach_deg = 60;        ///< potential: beta is zero beyond this angle. [305 / sqrt(directions), 180]
   int directions = 64;          ///< potential: directions on the sphere. [32, 4096]
   double lever_floor_m = 1e-3;  ///< adaptive-6dof: |r x N| below which T fades to zero, see adaptive.hpp. > 0
 };

@@ -198,12 +198,8 @@ TEST(RunTable, OfAMachineFileStandsAboveTheSceneFiles) {
 
 TEST(RunTable, EveryMistakeIsOneErrorNamingFileKeyFoundAndExpected) {
   const std::string m = kMinimal;
-  EXPECT_EQ(load_error(m + "[run]\nscript = \"fly\"\n"),
-            "scene.toml: run.script: found \"fly\", expected none: scene scene has no scripts");
   EXPECT_EQ(load_error(m + "[run]\nscript = 3\n"),
             "scene.toml: run.script: found 3 at line 6, expected the name of a script of the scene, or \"\" for none");
-  EXPECT_EQ(load_error(m + "[run]\nhand = \"no.csv\"\n"),
-            "scene.toml: run.hand: found no file \"no.csv\", expected an existing file");
   EXPECT_EQ(load_error(m + "[run]\nscript = \"a\"\nhand = \"b.csv\"\n"),
             "scene.toml: run.hand: found run.script stated as well, expected one of them: both move the hand");
   EXPECT_EQ(load_error(m + "[run]\nfor_s = \"soon\"\n"),
@@ -215,14 +211,38 @@ TEST(RunTable, EveryMistakeIsOneErrorNamingFileKeyFoundAndExpected) {
             "scene.toml: run.raport: found this unknown key at line 6, expected a known key; did you mean run.report?");
 }
 
-TEST(RunTable, AMachineFilesScriptMustBeOneOfTheScenes) {
+TEST(RunTable, AScriptOrHandThatIsNotThereIsNamedWithTheFileThatSaysSo) {
   TempFolder folder;
   folder.write("press.csv", "");
   Session session;
-  load_scene(folder.write("s.toml", std::string(kMinimal) + kPress), session);
+  const auto scene = folder.write("s.toml", std::string(kMinimal) + kPress + "[run]\nhand = \"no.csv\"\n");
+  load_scene(scene, session);
+  EXPECT_EQ(setup_error([&] { check_session(session); }), scene.string() + ": run.hand: found no file \"" +
+                                                              (folder.path() / "no.csv").string() +
+                                                              "\", expected an existing file");
   const auto machine = folder.write("m.toml", "[run]\nscript = \"fly\"\n");
-  EXPECT_EQ(setup_error([&] { load_machine(machine, session); }),
+  load_machine(machine, session);
+  EXPECT_EQ(setup_error([&] { check_session(session); }),
             machine.string() + ": run.script: found \"fly\", expected one of press");
+}
+
+TEST(RunTable, WhatTheCommandLineSaysReplacesWhatNeverWasThere) {
+  TempFolder folder;
+  folder.write("press.csv", "");
+  Session session;
+  load_scene(folder.write("s.toml", std::string(kMinimal) + kPress + "[run]\nhand = \"no.csv\"\n"), session);
+  load_machine(folder.write("m.toml", "[run]\nscript = \"fly\"\n"), session);
+  set_key(session, "run.script", "press");
+  check_session(session);
+  set_key(session, "run.script", "jump");
+  EXPECT_EQ(setup_error([&] { check_session(session); }), "run.script: found \"jump\", expected one of press");
+}
+
+TEST(Scene, ReachMustSpanAFewDirections) {
+  const std::string error = load_error(std::string(kMinimal) + "[contact]\nreach_deg = 30\n");
+  EXPECT_NE(error.find("contact.reach_deg: found 30, expected 39 or more with 64 directions"), std::string::npos)
+      << error;
+  EXPECT_EQ(load_error(std::string(kMinimal) + "[contact]\nreach_deg = 30\ndirections = 162\n"), "no error");
 }
 
 }  // namespace
