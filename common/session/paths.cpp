@@ -58,9 +58,9 @@ std::vector<std::filesystem::path> scene_files() {
 
 std::filesystem::path find_scene(const std::string& name_or_path) {
   std::error_code ignored;
-  const std::filesystem::path given(name_or_path);
+  std::filesystem::path given(name_or_path);
   if (given.has_parent_path() || given.extension() == ".toml") return given;  // load_scene says if it is not there
-  const auto own = share_dir() / "scenes" / (name_or_path + ".toml");
+  auto own = share_dir() / "scenes" / (name_or_path + ".toml");
   if (!name_or_path.empty() && std::filesystem::is_regular_file(own, ignored)) return own;
   std::vector<std::string> names;
   for (const auto& file : scene_files()) names.push_back(file.stem().string());

@@ -37,7 +37,8 @@ bool is_address(const std::string& s) {
 Key line(std::string name, std::string& member) { return text(std::move(name), member, "one line of text", is_line); }
 
 /// The two keys of a pose. `access` gives the pose to write to (making it if need be); `peek` one to read, or none.
-Keys pose_keys(const std::string& prefix, std::function<Pose&()> access, std::function<const Pose*()> peek) {
+Keys pose_keys(const std::string& prefix, const std::function<Pose&()>& access,
+               const std::function<const Pose*()>& peek) {
   return {{prefix + "position_m", Kind::numbers, "three numbers [x, y, z] within 10 km (m)",
            [access](const Value& v) {
              const auto* list = std::get_if<std::vector<double>>(&v);

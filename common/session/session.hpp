@@ -93,13 +93,12 @@ struct MachineSpec {
 /// How this run of the scene goes. A scene file, a machine file and the command line may each say so: the last one
 /// holds.
 struct RunSpec {
-  std::string script;  ///< of the scene; empty: none
-  std::filesystem::path
-      hand_csv;      ///< the user's own motion in place of a script; empty: none. Its last pose is the goal
-  double for_s = 0;  ///< ends by itself after this time in contact service; 0: it does not
-  std::filesystem::path report,
-      plot;  ///< written at the end, JSON and PNG; empty: none, and the plot beside the report
-  std::filesystem::path said_in;  ///< the file whose script or hand holds, for messages; empty: the command line
+  std::string script;              ///< of the scene; empty: none
+  std::filesystem::path hand_csv;  ///< own motion in place of a script; empty: none. Its last pose is the goal
+  double for_s = 0;                ///< ends by itself after this time in contact service; 0: it does not
+  std::filesystem::path report;    ///< JSON, written at the end; empty: none
+  std::filesystem::path plot;      ///< PNG, written at the end; empty: beside the report
+  std::filesystem::path said_in;   ///< the file whose script or hand holds, for messages; empty: the command line
 };
 
 /// Everything a service needs to know: written by `tact run` to <run_dir>/session.toml, read by each service.
