@@ -51,7 +51,7 @@ bool sides_differ(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p, co
 /// In general position: the ends are on two sides of the plane, and the line winds round the three sides alike.
 bool pierces(const std::array<Vec3, 3>& t, const Vec3& p, const Vec3& q) {
   if (!sides_differ(t[0], t[1], t[2], p, q)) return false;
-  const auto winds = [&](int k) { return (q - p).dot((t[k] - p).cross(t[(k + 1) % 3] - p)) > 0; };
+  const auto winds = [&](std::size_t k) { return (q - p).dot((t[k] - p).cross(t[(k + 1) % 3] - p)) > 0; };
   return winds(0) == winds(1) && winds(1) == winds(2);
 }
 
