@@ -7,6 +7,7 @@
 #include "coupling/link/contact_link.hpp"
 #include "coupling/link/session_link.hpp"
 #include "coupling/loop/coupling_loop.hpp"
+#include "coupling/loop/session_config.hpp"
 #include "coupling/safety/watchdog.hpp"
 #include "fault/fault.hpp"
 #include "log/log.hpp"
@@ -24,46 +25,6 @@ constexpr double kFlightHistory_s = 2;
 constexpr std::uint32_t kFlightFaults =
     bit(Fault::wrench_stale) | bit(Fault::not_finite) | bit(Fault::device_lost) | bit(Fault::device_alarm);
 constexpr auto kRest = 100ms;  // time for the gate to bring the largest force to zero, several times over
-
-DeviceOptions device_options(const Session& session) {
-  DeviceOptions options;
-  options.name = session.machine.device;
-  options.mode = session.machine.mode;
-  options.rate_hz = session.machine.rate_hz;
-  options.virtual_mass_kg = session.scene.coupling.mass_kg;
-  if (const auto hand = scripted_hand(session)) {
-    options.hand_force_max_n = hand->hand_force_max_n;
-    options.hand_motion = load_hand_motion(hand->hand_csv);
-  }
-  return options;
-}
-
-LoopConfig loop_config(const Session& session, const SceneModel& scene) {
-  const CouplingSpec& coupling = session.scene.coupling;
-  LoopConfig config;
-  config.rate_hz = session.machine.rate_hz;
-  config.tool.mass_kg = coupling.mass_kg;
-  config.tool.inertia_shape_m2 = scene.inertia_shape_m2;
-  config.tool.rotation_locked = coupling.rotation_locked;
-  config.parameters = {.version = 0,
-                       .saturation = coupling.saturation,
-                       .stiffness_n_per_m = coupling.stiffness_n_per_m,
-                       .damping_ratio = coupling.damping_ratio,
-                       .stiffness_nm_per_rad = coupling.stiffness_nm_per_rad,
-                       .torque_max_nm = coupling.torque_max_nm};
-  config.gate.force_n = session.machine.force_limit_n;
-  config.gate.torque_nm = session.machine.torque_limit_nm;
-  config.gate.force_slope_n_per_s = session.machine.force_slope_n_per_s;
-  config.gate.torque_slope_nm_per_s = session.machine.torque_slope_nm_per_s;
-  config.X_WT_start = session.scene.start_X_WM * scene.X_TM.inverse();
-  config.X_WO = scene.X_WO;
-  config.X_TM = scene.X_TM;
-  config.gyration_radius_m = scene.gyration_radius_m;
-  config.tool_radius_m = scene.tool_radius_m;
-  config.voxel_m = scene.voxel_m;
-  config.force_max_n = scene.stiffness_n_per_m * scene.x_max_m;
-  return config;
-}
 
 void tell(const std::filesystem::path& record) {
   if (!record.empty()) log_warn("a fault was recorded: ", record.string());
@@ -96,9 +57,7 @@ int serve(const ServiceOptions& options) {
     if (stop.requested()) return kExitOk;
   }
   const LoopConfig config = loop_config(session, *scene);
-  wanted.X_WH_start = config.X_WT_start;
-  wanted.X_TM = config.X_TM;
-  wanted.virtual_inertia_shape_m2 = config.tool.inertia_shape_m2;
+  take_bodies(config, wanted);
   const std::unique_ptr<HapticDevice> device = open_device(wanted);
 
   ToolSample probe;

@@ -19,7 +19,7 @@ std::unique_ptr<HapticDevice> open_simulated(const DeviceOptions& options) {
   SimulatedDevice::Params params;
   params.mode = parse_mode(options.mode);
   params.rate_hz = options.rate_hz;
-  params.hand.force_max_n = options.hand_force_max_n;
+  params.hand = options.hand;
   params.virtual_mass_kg = options.virtual_mass_kg;
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(options.virtual_inertia_shape_m2);
   params.virtual_inertia_kg_m2 =

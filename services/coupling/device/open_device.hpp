@@ -1,7 +1,7 @@
 #pragma once
 #include <memory>
 
-#include "coupling/device/device.hpp"
+#include "coupling/device/simulated_hand.hpp"
 #include "session/session.hpp"
 
 namespace tact::coupling {
@@ -13,7 +13,7 @@ struct DeviceOptions {
   Pose X_WH_start;         ///< where a simulated handle begins
   HandMotion hand_motion;  ///< X_WM; empty: none
   Pose X_TM;               ///< mesh frame of the tool in T: H is where T is for a person who leads the mesh
-  double hand_force_max_n = 20;
+  SimulatedHand::Params hand;
   double virtual_mass_kg = 0.2;  ///< of the handle body, pseudo-admittance
   Mat3 virtual_inertia_shape_m2 = Mat3::Identity() * 1e-3;
 };

@@ -2,22 +2,15 @@
 #include <cstdint>
 
 #include "coupling/link/first_scene.hpp"
+#include "coupling/loop/session_config.hpp"
 #include "link/wire.hpp"
-#include "math/pose.hpp"
 
 namespace tact::coupling {
 
-/// What coupling needs to know of the bodies, as the contact server baked them: the wire's SceneInfo in our own types.
-struct SceneModel {
+/// The wire's SceneInfo in our own types.
+struct SceneModel : BodyModel {
   std::uint64_t server_epoch = 0;
   SceneIdentity identity;  ///< every reply must name the same
-  Pose X_TM;               ///< mesh frame of the tool in T
-  Pose X_WO;
-  Mat3 inertia_shape_m2 = Mat3::Zero();  ///< inertia of unit mass about To in T
-  double gyration_radius_m = 0;
-  double tool_radius_m = 0;  ///< farthest shell point from To
-  double voxel_m = 0;
-  double stiffness_n_per_m = 0, x_max_m = 0;
 };
 
 /// Throws SetupError naming the first field without physical sense: a pose that is not finite and a rotation, a length,
