@@ -6,10 +6,10 @@
 
 namespace tact {
 namespace {
-constexpr std::array kNames{"wrench_late",      "wrench_stale",  "contacts_full",  "not_finite",
-                            "deadline_missed",  "motion_capped", "gate_limited",   "transport_degraded",
-                            "device_lost",      "device_alarm",  "watchdog",       "sign_doubtful",
-                            "past_mid_surface", "beyond_band",   "peer_restarted", "scene_changed"};
+constexpr std::array kNames{"wrench_late",   "wrench_stale",  "contacts_full",      "not_finite",  "deadline_missed",
+                            "motion_capped", "gate_limited",  "transport_degraded", "device_lost", "device_alarm",
+                            "watchdog",      "sign_doubtful", "past_mid_surface",   "beyond_band", "peer_restarted",
+                            "scene_changed", "device_data"};
 }
 
 std::string fault_names(std::uint32_t bits) {

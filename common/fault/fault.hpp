@@ -32,6 +32,7 @@ enum class Fault : std::uint32_t {
   beyond_band = 1u << 13,
   peer_restarted = 1u << 14,
   scene_changed = 1u << 15,  ///< a restarted contact server has other bodies: refused, the device is calm
+  device_data = 1u << 16,    ///< what the device said was refused: not finite, no rotation, or a jump
 };
 
 constexpr std::uint32_t bit(Fault f) noexcept { return static_cast<std::uint32_t>(f); }

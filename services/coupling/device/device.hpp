@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "math/pose.hpp"
 #include "rt/tick.hpp"
@@ -29,8 +30,11 @@ struct DeviceReading {
   Twist V_WH;
   /// Of the hand on the handle about its origin. Impedance: zero unless the device can measure it.
   Wrench F_hand_W;
-  bool engaged = false;       ///< powered, dead-man held, not indexing
-  std::uint32_t faults = 0;   ///< device_lost, device_alarm
+  bool engaged = false;  ///< powered, dead-man held, not indexing
+  /// False: what the device said was refused and the last good pose stands here. The loop goes calm at the gate's
+  /// slope; a device that goes on like this ends its engagement.
+  bool trusted = true;
+  std::uint32_t faults = 0;   ///< device_lost, device_alarm, device_data
   double script_time_s = -1;  ///< of a simulated hand; < 0: no script
   bool script_done = false;
 };
@@ -69,6 +73,10 @@ class HapticDevice {
   virtual SetPoint last_set_point() const noexcept = 0;
 
   virtual void cue(const HandCue&) noexcept {}
+
+  /// What a person should read about the device since the last call, a sentence each: "the emergency stop is pressed".
+  /// From a thread that is not real-time, always the same.
+  virtual std::vector<std::string> take_news() { return {}; }
 
   /// Cuts power: no force from now on, whatever is written. From any thread, at any time, also while another thread
   /// hangs inside one of the calls above: takes no lock.

@@ -66,7 +66,7 @@ rt::Next CouplingLoop::step(const rt::Tick& tick) noexcept {
   take_hand_target();
   const DeviceReading device = read_device();  // X_WH, V_WH, F_hand
   take_reply();                                // F + G x at X_n, or its stale reaction
-  const bool may_act = device.engaged && !resting_.load(std::memory_order_relaxed);
+  const bool may_act = device.engaged && device.trusted && !resting_.load(std::memory_order_relaxed);
   strength_.advance(wrench_, may_act, tool_.F_coupling_W(), h_);
   integrate(device);  // X_{n+1}
   publish();          // the moment it is integrated
@@ -101,6 +101,7 @@ DeviceReading CouplingLoop::read_device() noexcept {
   }
   raise(Fault::not_finite);
   DeviceReading held = good_;  // where it was, at rest, no hand
+  held.trusted = false;
   held.V_WH = {};
   held.F_hand_W = {};
   return held;

@@ -15,7 +15,7 @@ struct Words {
   Fault fault;
   const char* text;
 };
-constexpr std::array<Words, 16> kWords{{
+constexpr std::array<Words, 17> kWords{{
     {Fault::wrench_late, "Contact force late: extrapolating"},
     {Fault::wrench_stale, "No contact force: the arm is calm"},
     {Fault::contacts_full, "More contacts than capacity: the deepest count"},
@@ -26,6 +26,7 @@ constexpr std::array<Words, 16> kWords{{
     {Fault::transport_degraded, "Transport degraded"},
     {Fault::device_lost, "Device lost"},
     {Fault::device_alarm, "Device alarm"},
+    {Fault::device_data, "Device data refused"},
     {Fault::watchdog, "The watchdog cut power"},
     {Fault::sign_doubtful, "Inside or outside is doubtful here"},
     {Fault::past_mid_surface, "Past the middle of a thin part"},
