@@ -122,6 +122,29 @@ Keys coupling_keys(CouplingSpec& c) {
   return keys;
 }
 
+Keys virtuose_keys(VirtuoseSpec& v, const std::filesystem::path& base) {
+  // A bare name is the loader's to find; anything else is a path.
+  Key library = text("library", v.library, "a path to the vendor's library, or its file name",
+                     [](const std::string& s) { return is_line(s); });
+  library.set = [set = std::move(library.set), base](const Value& value) {
+    const auto* s = std::get_if<std::string>(&value);
+    if (!s || s->find('/') == s->npos) return set(value);
+    return set(Value{(base / *s).lexically_normal().string()});
+  };
+  return prefixed("device.", {std::move(library),
+                              text("address", v.address, "host#port of the arm's controller or its local service",
+                                   [](const std::string& s) { return !s.empty() && is_line(s); }),
+                              number("timeout_s", v.timeout_s, 0.001, 0.05, "s"),
+                              number("stale_after_s", v.stale_after_s, 0, 10, "s; 0: never"),
+                              number("force_factor", v.force_factor, 0.01, 1, ""),
+                              number("speed_factor", v.speed_factor, 0.1, 10, ""),
+                              choice("indexing", v.indexing, {"all", "translation", "rotation", "none"}),
+                              number("spring_n_per_m", v.spring_n_per_m, 0, 1e4, "N/m; 0: chosen by rule"),
+                              number("spring_nm_per_rad", v.spring_nm_per_rad, 0, 100, "Nm/rad; 0: chosen by rule"),
+                              number("damper_n_s_per_m", v.damper_n_s_per_m, 0, 500, "N s/m; 0: chosen by rule"),
+                              number("damper_nm_s_per_rad", v.damper_nm_s_per_rad, 0, 10, "Nm s/rad; 0: by rule")});
+}
+
 }  // namespace
 
 void make_room(SceneSpec& scene, const std::string& key) {
@@ -162,7 +185,7 @@ Keys scene_keys(SceneSpec& scene, const std::filesystem::path& base) {
   return keys;
 }
 
-Keys machine_keys(MachineSpec& m, const std::filesystem::path& base) {
+static Keys keys_of_every_machine(MachineSpec& m, const std::filesystem::path& base) {
   return {choice("device.driver", m.device, {"simulated", "playback", "virtuose"}),
           choice("device.mode", m.mode, {"pseudo-admittance", "impedance"}),
           number("device.rate_hz", m.rate_hz, 100, 5000, "Hz"),
@@ -178,6 +201,12 @@ Keys machine_keys(MachineSpec& m, const std::filesystem::path& base) {
           text("view.bind", m.bind, "an IPv4 or IPv6 address such as 127.0.0.1", is_address),
           text("view.token", m.token, "8 to 128 letters, digits, - or _", is_token),
           path("cache.dir", m.cache_dir, base, "a path to a folder")};
+}
+
+Keys machine_keys(MachineSpec& m, const std::filesystem::path& base) {
+  Keys keys = keys_of_every_machine(m, base);
+  append(keys, virtuose_keys(m.virtuose, base));
+  return keys;
 }
 
 Keys run_keys(RunSpec& run, const std::filesystem::path& base) {

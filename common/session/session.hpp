@@ -73,12 +73,26 @@ struct SceneSpec {
   std::map<std::string, ScriptSpec> scripts;
 };
 
+/// The `virtuose` device: how its vendor's library is found and told to behave.
+struct VirtuoseSpec {
+  std::string library;                      ///< path, or a name for the loader; empty: the two names it is known by
+  std::string address = "127.0.0.1#53210";  ///< as virtOpen takes it: host#port
+  double timeout_s = 0.02;                  ///< the library's, of one call
+  double stale_after_s = 0.25;              ///< held, and not one bit changes for so long: lost
+  double force_factor = 1;                  ///< hand force over simulation force
+  double speed_factor = 1;                  ///< simulation motion over hand motion
+  std::string indexing = "all";             ///< all translation rotation none
+  /// Pseudo-admittance: the spring and damper its controller keeps between handle and set-point; 0: chosen by rule
+  double spring_n_per_m = 0, spring_nm_per_rad = 0, damper_n_s_per_m = 0, damper_nm_s_per_rad = 0;
+};
+
 /// What belongs to the machine, not to the scene.
 struct MachineSpec {
   std::filesystem::path file;
   std::string device = "simulated";        ///< simulated playback virtuose
   std::string mode = "pseudo-admittance";  ///< or impedance
   double rate_hz = 1000;
+  VirtuoseSpec virtuose;
   std::string transport = "shm";                                   ///< or udp
   double force_limit_n = 30, torque_limit_nm = 3;                  ///< gate
   double force_slope_n_per_s = 5000, torque_slope_nm_per_s = 500;  ///< gate

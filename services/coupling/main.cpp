@@ -22,8 +22,8 @@ using namespace std::chrono_literals;
 
 constexpr int kWatchdogPriority = 90, kLoopPriority = 80;
 constexpr double kFlightHistory_s = 2;
-constexpr std::uint32_t kFlightFaults =
-    bit(Fault::wrench_stale) | bit(Fault::not_finite) | bit(Fault::device_lost) | bit(Fault::device_alarm);
+constexpr std::uint32_t kFlightFaults = bit(Fault::wrench_stale) | bit(Fault::not_finite) | bit(Fault::device_lost) |
+                                        bit(Fault::device_alarm) | bit(Fault::device_data);
 constexpr auto kRest = 100ms;  // time for the gate to bring the largest force to zero, several times over
 
 void tell(const std::filesystem::path& record) {
@@ -42,6 +42,7 @@ int serve(const ServiceOptions& options) {
   const Session session = load_session(options.session_file);
   DeviceOptions wanted = device_options(session);
   if (options.check_only) {
+    wanted.check_only = true;
     open_device(wanted);
     return kExitOk;
   }
@@ -97,6 +98,7 @@ int serve(const ServiceOptions& options) {
   // This thread only watches.
   std::optional<std::string> refused;
   while (!stop.wait_for(100ms) && !(refused = link.status().refused)) {
+    warn(device->take_news());
     record_flight([&] { return recorder.drain(kFlightFaults); });
   }
 

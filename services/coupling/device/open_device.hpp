@@ -16,6 +16,9 @@ struct DeviceOptions {
   SimulatedHand::Params hand;
   double virtual_mass_kg = 0.2;  ///< of the handle body, pseudo-admittance
   Mat3 virtual_inertia_shape_m2 = Mat3::Identity() * 1e-3;
+  VirtuoseSpec virtuose;
+  double force_limit_n = 30, torque_limit_nm = 3;  ///< the gate's: told to a real arm's controller besides
+  bool check_only = false;                         ///< a real arm is opened, its motors stay off
 };
 
 /// Opens the device named in the machine file. Throws SetupError for an unknown device or mode, or one that is not

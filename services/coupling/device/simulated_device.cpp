@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupling/device/driver_spring.hpp"
 #include "math/exp_log.hpp"
 
 namespace tact::coupling {
 namespace {
 
-constexpr double kSpring = 2000, kAngularSpring = 5, kSpringDampingRatio = 0.7, kSpringPhase = 0.2;
 constexpr double kSubstepMax = 250e-6;
 
 Vec3 at_most(const Vec3& v, double m) {
@@ -30,12 +30,11 @@ SimulatedDevice::SimulatedDevice(const Params& params, HandMotion motion_WH, con
   capabilities_.force_peak_n = params.force_peak_n;
   capabilities_.torque_peak_nm = params.torque_peak_nm;
   if (params.mode == DeviceMode::pseudo_admittance) {
-    const double w = kSpringPhase * params.rate_hz;
-    const double m = params.virtual_mass_kg, I = params.virtual_inertia_kg_m2;
-    capabilities_.spring_n_per_m = std::min(kSpring, m * w * w);
-    capabilities_.spring_nm_per_rad = std::min(kAngularSpring, I * w * w);
-    capabilities_.damper_n_s_per_m = 2 * kSpringDampingRatio * std::sqrt(capabilities_.spring_n_per_m * m);
-    capabilities_.damper_nm_s_per_rad = 2 * kSpringDampingRatio * std::sqrt(capabilities_.spring_nm_per_rad * I);
+    const DriverSpring spring = driver_spring(params.rate_hz, params.virtual_mass_kg, params.virtual_inertia_kg_m2);
+    capabilities_.spring_n_per_m = spring.n_per_m;
+    capabilities_.spring_nm_per_rad = spring.nm_per_rad;
+    capabilities_.damper_n_s_per_m = spring.n_s_per_m;
+    capabilities_.damper_nm_s_per_rad = spring.nm_s_per_rad;
   }
 }
 

@@ -13,10 +13,8 @@ namespace tact::coupling {
 /// at kSubsteps (4) per period or more, never longer than 250 us.
 ///
 /// Pseudo-admittance: the driver's inner loop, a spring and damper from handle to set-point, runs at the substep rate;
-/// the set-point moves on at its twist. Gains as a real driver chooses them, from the virtual body and the period T, so
-/// that the outer loop is stable:
-///   K = min(2000 N/m, m (0.2 / T)^2),  B = 2 * 0.7 sqrt(K m);   K_r = min(5 Nm/rad, I (0.2 / T)^2), B_r alike,
-/// m the virtual mass, I its smallest moment of inertia. The wrench it reports as the hand's is that of this spring.
+/// the set-point moves on at its twist. Gains as a real driver chooses them: driver_spring(). The wrench it reports as
+/// the hand's is that of this spring.
 class SimulatedDevice final : public HapticDevice {
  public:
   static constexpr int kSubsteps = 4;

@@ -102,6 +102,19 @@ TEST(SessionKey, TextSetsAndRefusesKeysOfSceneMachineAndRun) {
   EXPECT_NE(setup_error([&] { set_key(session, "view.token", "short"); }), "no error");
 }
 
+TEST(SessionKey, ADevicesLibraryIsANameForTheLoaderOrAPath) {
+  Session session;
+  set_key(session, "device.library", "libVirtuoseAPI.so");
+  EXPECT_EQ(session.machine.virtuose.library, "libVirtuoseAPI.so");
+  set_key(session, "device.library", "lib/../virtuoseAPI.so");
+  EXPECT_EQ(session.machine.virtuose.library, (std::filesystem::current_path() / "virtuoseAPI.so").string());
+  set_key(session, "device.address", "10.0.0.2#53210");
+  EXPECT_EQ(session.machine.virtuose.address, "10.0.0.2#53210");
+  EXPECT_NE(setup_error([&] { set_key(session, "device.address", ""); }), "no error");
+  EXPECT_NE(setup_error([&] { set_key(session, "device.timeout_s", "0.2"); }), "no error");
+  EXPECT_NE(setup_error([&] { set_key(session, "device.indexing", "some"); }), "no error");
+}
+
 TEST(SessionKey, AParameterMessageReachesTheSceneOnly) {
   SceneSpec scene;
   for (const char* key : {"device.rate_hz", "run.script", "run.report"}) {

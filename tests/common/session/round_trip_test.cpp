@@ -45,6 +45,9 @@ Session full_session(const TempFolder& folder) {
   s.scene.scripts["solve"] = {s.run.hand_csv, "the way out", 15};
   s.machine.file = "/machines/lab.toml";
   s.machine.device = "playback";
+  s.machine.virtuose.library = "/opt/arm/virtuoseAPI.so";
+  s.machine.virtuose.indexing = "none";
+  s.machine.virtuose.damper_nm_s_per_rad = 0.25;
   s.machine.rate_hz = 1e3 / 3;
   s.machine.view = false;
   s.machine.token = "abcdefgh";
@@ -91,6 +94,9 @@ TEST(Session, ReadsBackExactlyWhatWasSaved) {
   EXPECT_EQ(read.scene.scripts.at("solve").hand_force_max_n, 15);
   EXPECT_EQ(read.machine.rate_hz, saved.machine.rate_hz);
   EXPECT_EQ(read.machine.device, "playback");
+  EXPECT_EQ(read.machine.virtuose.library, "/opt/arm/virtuoseAPI.so");
+  EXPECT_EQ(read.machine.virtuose.indexing, "none");
+  EXPECT_EQ(read.machine.virtuose.damper_nm_s_per_rad, 0.25);
   EXPECT_FALSE(read.machine.view);
 }
 

@@ -124,7 +124,7 @@ TEST(SimulatedDevice, TheArmsPeakForceBoundsAnyCommand) {
 }
 
 TEST(OpenDevice, RefusesWhatIsNotAvailableAndSaysWhatIs) {
-  for (const char* name : {"virtuose", "playback", "joystick"}) {
+  for (const char* name : {"playback", "joystick"}) {
     DeviceOptions options;
     options.name = name;
     try {
