@@ -155,7 +155,8 @@ Finding cpu_count() {
   const auto n = std::thread::hardware_concurrency();
   const std::string found = std::to_string(n) + (n == 1 ? " CPU" : " CPUs");
   if (n >= 2) return {"CPUs", Level::ok, found, ""};
-  return {"CPUs", Level::warn, found, "coupling and contact server want a CPU each"};
+  return {"CPUs", Level::warn, found,
+          "coupling and contact server want a CPU each: on one, every wrench is late by the other's work"};
 }
 
 Finding realtime_throttling() {
@@ -166,7 +167,29 @@ Finding realtime_throttling() {
   if (runtime == "-1" || std::atol(runtime.c_str()) * 2 >= std::atol(period.c_str())) {
     return {"real-time throttling", Level::ok, found + ": more than our threads use, they sleep every tick", ""};
   }
-  return {"real-time throttling", Level::warn, found, "sysctl kernel.sched_rt_runtime_us=950000"};
+  return {"real-time throttling", Level::warn, found,
+          "above that share real-time threads stand still for the rest of a period, ticks are missed: sysctl "
+          "kernel.sched_rt_runtime_us=950000"};
+}
+
+Finding clock_source() {
+  const std::string source = first_line("/sys/devices/system/clocksource/clocksource0/current_clocksource");
+  if (source.empty()) return {"clock", Level::ok, "not told by this kernel", ""};
+  if (source == "tsc" || source == "kvm-clock" || source == "hyperv_clocksource_tsc_page") {
+    return {"clock", Level::ok, source + ": read without a system call", ""};
+  }
+  return {"clock", Level::warn, source,
+          "each look at the time is a system call of up to microseconds, several a tick: boot with clocksource=tsc if "
+          "the machine's is sound (dmesg | grep -i tsc)"};
+}
+
+Finding cpu_governor() {
+  const std::string governor = first_line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
+  if (governor.empty()) return {"CPU frequency", Level::ok, "not ours to scale here", ""};
+  if (governor == "performance") return {"CPU frequency", Level::ok, "governor performance", ""};
+  return {"CPU frequency", Level::warn, "governor " + governor,
+          "between ticks the clock falls, a tick takes up to several times as long: cpupower frequency-set -g "
+          "performance"};
 }
 
 Finding kernel() {
@@ -184,11 +207,8 @@ Finding kernel() {
 }
 
 std::vector<Finding> look() {
-  return {cpu_count(),     cpu_features(),
-          kernel(),        realtime_priority(),
-          locked_memory(), realtime_throttling(),
-          dma_latency(),   shared_memory(),
-          roudi(),         dds()};
+  return {cpu_count(),   cpu_features(), kernel(),       realtime_priority(), locked_memory(), realtime_throttling(),
+          dma_latency(), cpu_governor(), clock_source(), shared_memory(),     roudi(),         dds()};
 }
 
 }  // namespace
