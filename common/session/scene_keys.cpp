@@ -189,6 +189,19 @@ static Keys keys_of_every_machine(MachineSpec& m, const std::filesystem::path& b
   return {choice("device.driver", m.device, {"simulated", "playback", "virtuose"}),
           choice("device.mode", m.mode, {"pseudo-admittance", "impedance"}),
           number("device.rate_hz", m.rate_hz, 100, 5000, "Hz"),
+          path("device.recording", m.recording, base, "a path to a recording (tact run --record)"),
+          path("device.events", m.simulated.events, base, "a path to a CSV file of faults and grips"),
+          number("device.hand.tremor_n", m.simulated.tremor_n, 0, 10, "N"),
+          number("device.hand.tremor_hz", m.simulated.tremor_hz, 8, 12, "Hz"),
+          integer("device.hand.seed", m.simulated.seed, 0, 1000000),
+          choice("device.hand.grip", m.simulated.grip, {"normal", "soft", "stiff", "absent"}),
+          number("device.arm.coulomb_n", m.simulated.coulomb_n, 0, 10, "N"),
+          number("device.arm.force_continuous_n", m.simulated.force_continuous_n, 0, 200, "N; 0: as its peak"),
+          number("device.arm.thermal_s", m.simulated.thermal_s, 0.1, 3600, "s"),
+          number("device.arm.workspace_m", m.simulated.workspace_m, 0, 10, "m; 0: none"),
+          number("device.arm.quantum_m", m.simulated.quantum_m, 0, 0.01, "m"),
+          number("device.arm.quantum_rad", m.simulated.quantum_rad, 0, 0.1, "rad"),
+          integer("device.arm.delay_ticks", m.simulated.delay_ticks, 0, 20),
           choice("transport", m.transport, {"shm", "udp"}),
           number("gate.force_limit_n", m.force_limit_n, 0.1, 200, "N"),
           number("gate.torque_limit_nm", m.torque_limit_nm, 0.01, 20, "Nm"),
@@ -224,7 +237,8 @@ Keys run_keys(RunSpec& run, const std::filesystem::path& base) {
           instead_of(run.script, path("run.hand", run.hand_csv, base, "a path to a CSV file of poses")),
           duration("run.for_s", run.for_s, 1e6, "0: no end of its own"),
           path("run.report", run.report, base, "a path to a JSON file"),
-          path("run.plot", run.plot, base, "a path to a PNG file")};
+          path("run.plot", run.plot, base, "a path to a PNG file"),
+          path("run.record", run.record, base, "a path to a file")};
 }
 
 Keys session_keys(Session& s, const std::filesystem::path& base) {

@@ -85,6 +85,16 @@ void check_run(const Session& s) {
          known.empty() ? "none: scene " + s.scene.name + " has no scripts" : "one of" + known);
 }
 
+void check_machine(const MachineSpec& m) {
+  const std::string where = m.file.empty() ? "" : m.file.string() + ": ";
+  const bool playback = m.device == "playback";
+  if (playback && m.recording.empty()) {
+    refuse(where, "device.recording", "nothing", "a path to a recording (tact run --record): the driver is playback");
+  }
+  if (playback) check_file(where, "device.recording", m.recording);
+  if (!m.simulated.events.empty()) check_file(where, "device.events", m.simulated.events);
+}
+
 std::filesystem::path folder_of(const std::filesystem::path& file) {
   return std::filesystem::absolute(file).lexically_normal().parent_path();
 }
@@ -168,7 +178,12 @@ void save_session(const Session& s, const std::filesystem::path& path) {
 void check_session(const Session& session) {
   const auto& file = session.scene.file;
   check_scene(session.scene, file.empty() ? "" : file.string() + ": ", "");
+  check_machine(session.machine);
   check_run(session);
+  if (session.machine.device == "playback" && scripted_hand(session)) {
+    refuse("", session.run.script.empty() ? "run.hand" : "run.script", "a motion",
+           "none: the driver is playback, and the recording moves the handle");
+  }
 }
 
 std::optional<ScriptSpec> scripted_hand(const Session& session) {

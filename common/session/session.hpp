@@ -86,6 +86,19 @@ struct VirtuoseSpec {
   double spring_n_per_m = 0, spring_nm_per_rad = 0, damper_n_s_per_m = 0, damper_nm_s_per_rad = 0;
 };
 
+/// What the simulated device has beyond a perfect arm and a steady hand; 0 and empty: nothing.
+struct SimulatedSpec {
+  std::filesystem::path events;  ///< CSV of faults and grips
+  double tremor_n = 0, tremor_hz = 10;
+  int seed = 1;
+  std::string grip = "normal";  ///< normal soft stiff absent
+  double coulomb_n = 0;
+  double force_continuous_n = 0, thermal_s = 20;
+  double workspace_m = 0;
+  double quantum_m = 0, quantum_rad = 0;
+  int delay_ticks = 0;
+};
+
 /// What belongs to the machine, not to the scene.
 struct MachineSpec {
   std::filesystem::path file;
@@ -93,6 +106,8 @@ struct MachineSpec {
   std::string mode = "pseudo-admittance";  ///< or impedance
   double rate_hz = 1000;
   VirtuoseSpec virtuose;
+  std::filesystem::path recording;  ///< playback: whose readings it gives
+  SimulatedSpec simulated;
   std::string transport = "shm";                                   ///< or udp
   double force_limit_n = 30, torque_limit_nm = 3;                  ///< gate
   double force_slope_n_per_s = 5000, torque_slope_nm_per_s = 500;  ///< gate
@@ -112,6 +127,7 @@ struct RunSpec {
   double for_s = 0;                ///< ends by itself after this time in contact service; 0: it does not
   std::filesystem::path report;    ///< JSON, written at the end; empty: none
   std::filesystem::path plot;      ///< PNG, written at the end; empty: beside the report
+  std::filesystem::path record;    ///< every tick of the device loop goes there; empty: none
   std::filesystem::path said_in;   ///< the file whose script or hand holds, for messages; empty: the command line
 };
 

@@ -7,6 +7,8 @@
 #include "coupling/link/contact_link.hpp"
 #include "coupling/link/session_link.hpp"
 #include "coupling/loop/coupling_loop.hpp"
+#include "coupling/loop/flight_recorder.hpp"
+#include "coupling/loop/recorded_hand.hpp"
 #include "coupling/loop/session_config.hpp"
 #include "coupling/safety/watchdog.hpp"
 #include "fault/fault.hpp"
@@ -21,10 +23,24 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr int kWatchdogPriority = 90, kLoopPriority = 80;
-constexpr double kFlightHistory_s = 2;
 constexpr std::uint32_t kFlightFaults = bit(Fault::wrench_stale) | bit(Fault::not_finite) | bit(Fault::device_lost) |
                                         bit(Fault::device_alarm) | bit(Fault::device_data);
 constexpr auto kRest = 100ms;  // time for the gate to bring the largest force to zero, several times over
+
+RecordingInfo recording_info(const Session& session, const SceneModel& scene, const LoopConfig& config,
+                             HapticDevice& device) {
+  RecordingInfo info;
+  info.session = session.name;
+  info.scene = session.scene.name;
+  info.session_id = session.id;
+  info.field_hash = scene.identity.field_hash;
+  info.shell_hash = scene.identity.shell_hash;
+  info.config = config;
+  info.device = device.capabilities();
+  info.first_reading = device.read();
+  info.first_set_point = device.last_set_point();
+  return info;
+}
 
 void tell(const std::filesystem::path& record) {
   if (!record.empty()) log_warn("a fault was recorded: ", record.string());
@@ -41,8 +57,10 @@ int serve(const ServiceOptions& options) {
   // Configure: may block, allocate and throw SetupError.
   const Session session = load_session(options.session_file);
   DeviceOptions wanted = device_options(session);
+  const bool playback = wanted.name == "playback";
   if (options.check_only) {
     wanted.check_only = true;
+    if (playback) use_recording({session.machine.recording, wanted.mode, wanted.rate_hz}, wanted);
     open_device(wanted);
     return kExitOk;
   }
@@ -57,7 +75,12 @@ int serve(const ServiceOptions& options) {
   while (!(scene = session_link.wait_scene(100ms))) {
     if (stop.requested()) return kExitOk;
   }
-  const LoopConfig config = loop_config(session, *scene);
+  LoopConfig config = loop_config(session, *scene);
+  if (playback) {
+    config.X_WT_start = use_recording({session.machine.recording, wanted.mode, wanted.rate_hz,
+                                       scene->identity.field_hash, scene->identity.shell_hash},
+                                      wanted);
+  }
   take_bodies(config, wanted);
   const std::unique_ptr<HapticDevice> device = open_device(wanted);
 
@@ -65,8 +88,9 @@ int serve(const ServiceOptions& options) {
   probe.X_WT = config.X_WT_start;
   probe.X_WO = config.X_WO;
   ContactLink link(session, low, health, *mail, {.probe = probe, .scene = scene->identity});
-  FlightRecorder recorder(config.rate_hz, kFlightHistory_s, session.run_dir);
-  CouplingLoop loop(config, *device, *mail, &recorder);
+  FlightRecorder recorder(recording_info(session, *scene, config, *device), session.run_dir,
+                          free_recording_name(session.run.record, session.id));
+  CouplingLoop loop(config, *device, *mail, &recorder.queue());
   const rt::CpuDmaLatency awake;
   warn(awake.missing());
 
@@ -86,20 +110,22 @@ int serve(const ServiceOptions& options) {
   warn(watchdog->missing());
   log_info("device loop: ", session.machine.device, ", ", session.machine.mode, ", ", config.rate_hz, " Hz");
 
-  // A full disk costs the flight record, not the hand.
-  const auto record_flight = [](const auto& take) {
+  // A full disk costs the record, not the hand; a disk that hangs holds this thread only.
+  const auto keep = [&recorder](bool last) {
     try {
-      tell(take());
+      tell(last ? recorder.finish(kFlightFaults) : recorder.drain(kFlightFaults));
     } catch (const SetupError& error) {
       log_error(error.what());
     }
   };
+  std::jthread keeper([&keep](const std::stop_token& ended) {
+    for (; !ended.stop_requested(); std::this_thread::sleep_for(100ms)) keep(false);
+  });
 
   // This thread only watches.
   std::optional<std::string> refused;
   while (!stop.wait_for(100ms) && !(refused = link.status().refused)) {
     warn(device->take_news());
-    record_flight([&] { return recorder.drain(kFlightFaults); });
   }
 
   // Stop in reverse: the hand is let go before the loop ends, the loop before the links.
@@ -108,7 +134,10 @@ int serve(const ServiceOptions& options) {
   watchdog.reset();
   thread.stop();
   device->power_off();
-  record_flight([&] { return recorder.finish(kFlightFaults); });
+  keeper.request_stop();
+  keeper.join();
+  keep(true);
+  if (recorder.dropped() > 0) log_warn("recorder: ", recorder.dropped(), " ticks were dropped: the disk was too slow");
   const LoopStats& stats = loop.finish();
   log_info(stats.ticks, " ticks, ", stats.missed_ticks, " missed, ", stats.page_faults, " page faults, ",
            stats.allocations, " allocations in ticks; faults: ", fault_names(stats.faults_ever));

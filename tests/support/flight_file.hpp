@@ -7,7 +7,7 @@
 
 namespace tact::test {
 
-/// What tests read of a flight record (coupling/loop/flight_recorder.hpp).
+/// What tests read of a recording (coupling/loop/recording.hpp).
 struct FlightTick {
   std::uint64_t tick, pose_seq, reply_seq;
   std::uint32_t wrench_age_ticks, faults;
@@ -16,7 +16,7 @@ struct FlightTick {
   Pose X_WH, X_sent;
 };
 
-/// Reads columns by their names. Throws std::runtime_error on a file that is not a flight record.
+/// Throws SetupError on a file that is no recording.
 std::vector<FlightTick> read_flight(const std::filesystem::path& file);
 
 }  // namespace tact::test

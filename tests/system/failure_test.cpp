@@ -22,7 +22,7 @@ std::vector<FlightTick> flight_of_stale_wrench(const TactRun& run) {
   EXPECT_TRUE(eventually(
       [&] {
         for (const auto& entry : std::filesystem::directory_iterator(run.run_dir())) {
-          if (entry.path().extension() != ".csv") continue;
+          if (entry.path().extension() != ".tick") continue;
           auto ticks = read_flight(entry.path());
           if (std::any_of(ticks.begin(), ticks.end(), is_stale)) found = std::move(ticks);
         }

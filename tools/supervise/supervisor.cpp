@@ -39,6 +39,7 @@ Supervisor::Supervisor(Session session)
     : run_dir_(session.name), session_(prepared(std::move(session), run_dir_.path())) {
   require_writable("run.report", session_.run.report);
   require_writable("run.plot", session_.run.plot);
+  require_writable("run.record", session_.run.record);
   save_session(session_, run_dir_.path() / "session.toml");
   if (shm()) roudi_ = std::make_unique<RoudiLease>(share_dir() / "roudi.toml");
   monitor_ = std::make_unique<SessionMonitor>(session_);
@@ -241,7 +242,8 @@ bool Supervisor::over() {
   if (stop_signal_.requested() || !fatal_.empty()) return true;
   if (!monitor_->begun()) return false;
   if (session_.run.for_s > 0) return monitor_->elapsed_s() >= session_.run.for_s;
-  if (!scripted_hand(session_) || !monitor_->script_done()) return false;
+  const bool ends = scripted_hand(session_) || session_.machine.device == "playback";
+  if (!ends || !monitor_->script_done()) return false;
   const auto now = Clock::now();
   if (!script_done_at_) script_done_at_ = now;
   if (now - *script_done_at_ < kAfterScript) return false;

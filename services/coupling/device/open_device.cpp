@@ -25,11 +25,29 @@ double virtual_inertia(const DeviceOptions& options) {
   return options.virtual_mass_kg * std::max(eigen.eigenvalues().minCoeff(), 0.01 * eigen.eigenvalues().maxCoeff());
 }
 
+SimulatedHand::Grip parse_grip(const std::string& grip) {
+  using Grip = SimulatedHand::Grip;
+  return grip == "soft" ? Grip::soft : grip == "stiff" ? Grip::stiff : grip == "absent" ? Grip::absent : Grip::normal;
+}
+
 std::unique_ptr<HapticDevice> open_simulated(const DeviceOptions& options) {
   SimulatedDevice::Params params;
   params.mode = parse_mode(options.mode);
   params.rate_hz = options.rate_hz;
   params.hand = options.hand;
+  const SimulatedSpec& spec = options.simulated;
+  params.hand.grip = parse_grip(spec.grip);
+  params.hand.tremor_n = spec.tremor_n;
+  params.hand.tremor_hz = spec.tremor_hz;
+  params.hand.seed = static_cast<std::uint64_t>(spec.seed);
+  params.arm.coulomb_n = spec.coulomb_n;
+  params.arm.force_continuous_n = std::min(spec.force_continuous_n, params.arm.force_peak_n);
+  params.arm.thermal_s = spec.thermal_s;
+  params.arm.workspace_m = spec.workspace_m;
+  params.quantum_m = spec.quantum_m;
+  params.quantum_rad = spec.quantum_rad;
+  params.delay_ticks = spec.delay_ticks;
+  if (!spec.events.empty()) params.events = load_device_events(spec.events);
   params.virtual_mass_kg = options.virtual_mass_kg;
   params.virtual_inertia_kg_m2 = virtual_inertia(options);
   HandMotion motion = options.hand_motion;
@@ -85,11 +103,11 @@ std::unique_ptr<HapticDevice> open_device(const DeviceOptions& options) {
   if (options.name == "simulated") return open_simulated(options);
   if (options.name == "virtuose") return open_virtuose(options);
   if (options.name == "playback") {
-    throw SetupError(
-        "machine: device: \"playback\" is not available in this version; available: \"simulated\", "
-        "\"virtuose\"");
+    if (options.playback.empty()) throw SetupError("machine: device: \"playback\" needs a recording with a tick in it");
+    return std::make_unique<PlaybackDevice>(options.recorded, options.rate_hz, options.playback);
   }
-  throw SetupError("machine: device: found \"" + options.name + "\", expected \"simulated\" or \"virtuose\"");
+  throw SetupError("machine: device: found \"" + options.name +
+                   "\", expected \"simulated\", \"playback\" or \"virtuose\"");
 }
 
 }  // namespace tact::coupling

@@ -1,6 +1,7 @@
 #pragma once
 #include <memory>
 
+#include "coupling/device/playback_device.hpp"
 #include "coupling/device/simulated_hand.hpp"
 #include "session/session.hpp"
 
@@ -10,10 +11,13 @@ struct DeviceOptions {
   std::string name = "simulated";
   std::string mode = "pseudo-admittance";
   double rate_hz = 1000;
-  Pose X_WH_start;         ///< where a simulated handle begins
-  HandMotion hand_motion;  ///< X_WM; empty: none
-  Pose X_TM;               ///< mesh frame of the tool in T: H is where T is for a person who leads the mesh
-  SimulatedHand::Params hand;
+  Pose X_WH_start;             ///< where a simulated handle begins
+  HandMotion hand_motion;      ///< X_WM; empty: none
+  Pose X_TM;                   ///< mesh frame of the tool in T: H is where T is for a person who leads the mesh
+  SimulatedHand::Params hand;  ///< its grip and tremor are taken from `simulated`
+  SimulatedSpec simulated;
+  DeviceCapabilities recorded;  ///< playback: the device that was recorded, and what it gave
+  std::vector<PlaybackTick> playback;
   double virtual_mass_kg = 0.2;  ///< of the handle body, pseudo-admittance
   Mat3 virtual_inertia_shape_m2 = Mat3::Identity() * 1e-3;
   VirtuoseSpec virtuose;

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <type_traits>
 
 #include "fault/fault.hpp"
+#include "math/exp_log.hpp"
 #include "rt/alloc_guard.hpp"
 
 namespace tact::coupling {
@@ -17,6 +20,15 @@ constexpr double kReach_m = 1000;
 
 bool is_pose(const Pose& X) {
   return X.finite() && X.p.cwiseAbs().maxCoeff() < kReach_m && std::abs(X.q.squaredNorm() - 1) < 1e-3;
+}
+
+/// Nobody moves a handle faster. Where a device says so it is lying, or the hand was elsewhere meanwhile: after a time
+/// in which it could have come there it is believed.
+constexpr double kHandSpeed_m_per_s = 10, kHandSpeed_rad_per_s = 100;
+
+bool within_reach(const Pose& from, const Pose& to, double seconds) {
+  return (to.p - from.p).norm() <= kHandSpeed_m_per_s * seconds &&
+         log_so3(to.q * from.q.conjugate()).norm() <= kHandSpeed_rad_per_s * seconds;
 }
 
 bool is_finite(const ContactReply& r) {
@@ -38,13 +50,13 @@ GateLimits with_springs(GateLimits limits, const DeviceCapabilities& device) {
 
 }  // namespace
 
-CouplingLoop::CouplingLoop(const LoopConfig& config, HapticDevice& device, Mailboxes& mail, FlightRecorder* recorder)
+CouplingLoop::CouplingLoop(const LoopConfig& config, HapticDevice& device, Mailboxes& mail, TickQueue* records)
     : config_(config),
       h_(1 / config.rate_hz),
       mode_(device.capabilities().mode),
       device_(device),
       mail_(mail),
-      recorder_(recorder),
+      records_(records),
       tool_(config.tool),
       strength_(config.parameters, tool_.mass(), tool_.inertia_T(), config.gyration_radius_m, config.force_max_n),
       motion_limit_{config.tool_radius_m},
@@ -53,7 +65,9 @@ CouplingLoop::CouplingLoop(const LoopConfig& config, HapticDevice& device, Mailb
       account_(config.rate_hz),
       sent_(device.last_set_point()),
       status_every_(std::max<std::uint64_t>(1, static_cast<std::uint64_t>(config.status_period_s * config.rate_hz))),
-      status_in_(1) {
+      status_in_(1),
+      snapshot_every_(
+          std::max<std::uint64_t>(1, static_cast<std::uint64_t>(TickQueue::kSnapshotPeriod_s * config.rate_hz))) {
   tool_.reset(config.X_WT_start);
   good_ = device.read();
   X_WH_last_ = good_.X_WH;
@@ -64,9 +78,10 @@ rt::Next CouplingLoop::step(const rt::Tick& tick) noexcept {
   faults_ = 0;
   take_parameters();
   take_hand_target();
-  const DeviceReading device = read_device();  // X_WH, V_WH, F_hand
-  take_reply();                                // F + G x at X_n, or its stale reaction
-  const bool may_act = device.engaged && device.trusted && !resting_.load(std::memory_order_relaxed);
+  const DeviceReading device = read_device(tick);  // X_WH, V_WH, F_hand
+  take_reply();                                    // F + G x at X_n, or its stale reaction
+  record_.resting = resting_.load(std::memory_order_relaxed);
+  const bool may_act = device.engaged && device.trusted && !record_.resting;
   strength_.advance(wrench_, may_act, tool_.F_coupling_W(), h_);
   integrate(device);  // X_{n+1}
   publish();          // the moment it is integrated
@@ -78,8 +93,8 @@ rt::Next CouplingLoop::step(const rt::Tick& tick) noexcept {
 bool CouplingLoop::calm() const noexcept { return strength_.strength() == 0; }
 
 void CouplingLoop::take_parameters() noexcept {
-  LoopParameters parameters;
-  if (mail_.parameters.read(parameters)) strength_.set(parameters);
+  record_.has_parameters = mail_.parameters.read(record_.parameters);
+  if (record_.has_parameters) strength_.set(record_.parameters);
 }
 
 void CouplingLoop::take_hand_target() noexcept {
@@ -93,13 +108,18 @@ void CouplingLoop::take_hand_target() noexcept {
   device_.cue(cue_);
 }
 
-DeviceReading CouplingLoop::read_device() noexcept {
-  const DeviceReading reading = device_.read();
+DeviceReading CouplingLoop::read_device(const rt::Tick& tick) noexcept {
+  const DeviceReading reading = record_.reading = device_.read();
   faults_ |= reading.faults;
-  if (is_pose(reading.X_WH) && reading.V_WH.vector().allFinite() && reading.F_hand_W.vector().allFinite()) {
+  since_good_ += 1 + tick.skipped;
+  const bool sound =
+      is_pose(reading.X_WH) && reading.V_WH.vector().allFinite() && reading.F_hand_W.vector().allFinite();
+  if (!sound) raise(Fault::not_finite);
+  if (sound && within_reach(good_.X_WH, reading.X_WH, static_cast<double>(since_good_) * h_)) {
+    if (reading.trusted) since_good_ = 0;
     return good_ = reading;
   }
-  raise(Fault::not_finite);
+  raise(Fault::device_data);
   DeviceReading held = good_;  // where it was, at rest, no hand
   held.trusted = false;
   held.V_WH = {};
@@ -108,8 +128,8 @@ DeviceReading CouplingLoop::read_device() noexcept {
 }
 
 void CouplingLoop::take_reply() noexcept {
-  ContactReply reply;
-  bool fresh = mail_.reply.read(reply);
+  const ContactReply& reply = record_.reply;
+  bool fresh = record_.has_reply = mail_.reply.read(record_.reply);
   if (fresh && (!is_finite(reply) || (reply.status & kReplyPoseInvalid) != 0)) {
     raise(Fault::not_finite);
     fresh = false;
@@ -218,32 +238,62 @@ void CouplingLoop::close_tick(const rt::Tick& tick, const DeviceReading& device)
   const std::int64_t end_ns = rt::monotonic_ns();
   account_.tick(tick, end_ns, wrench_.phase(), faults_);
 
-  if (recorder_ != nullptr) {
-    TickRecord record;
-    record.tick = tick.index;
-    record.t_mono_ns = tick.woke_ns;
-    record.pose_seq = seq_;
-    record.reply_seq = reply_.pose_seq;
-    record.wrench_age_ticks = wrench_.age_ticks();
-    record.faults = faults_;
-    record.contact_count = reply_.contact_count;
-    record.X_WH = device.X_WH;
-    record.X_WT = tool_.tool().X_W;
-    record.F_contact_W = contact_.F_W;
-    record.F_sent_W = F_sent_W_;
-    record.X_sent = sent_.X_W;
-    record.V_sent = sent_.V_W;
-    record.max_depth_m = reply_.max_depth_m;
-    record.tick_ns = end_ns - tick.woke_ns;
-    recorder_->push(record);
-  }
-
+  if (records_ != nullptr) record(tick, end_ns, device);
   if (--status_in_ == 0) {
     status_in_ = status_every_;
     account_.count_page_faults();
     publish_status();
   }
   progress_.fetch_add(1, std::memory_order_relaxed);
+}
+
+void CouplingLoop::record(const rt::Tick& tick, std::int64_t end_ns, const DeviceReading& device) noexcept {
+  record_.tick = tick;
+  record_.pose_seq = seq_;
+  record_.reply_seq = reply_.pose_seq;
+  record_.wrench_age_ticks = wrench_.age_ticks();
+  record_.faults = faults_;
+  record_.contact_count = reply_.contact_count;
+  record_.live = cue_.live;
+  record_.X_WH = device.X_WH;
+  record_.tool = tool_.tool();
+  record_.F_contact_W = contact_.F_W;
+  record_.F_coupling_W = tool_.F_coupling_W();
+  record_.F_sent_W = F_sent_W_;
+  record_.sent = sent_;
+  record_.max_depth_m = reply_.max_depth_m;
+  record_.tick_ns = end_ns - tick.woke_ns;
+  if (--snapshot_in_ == 0) {
+    snapshot_in_ = snapshot_every_;
+    save(snapshot_);
+    snapshot_.tick = tick.index;
+    records_->snapshots.push(snapshot_);
+  }
+  records_->ticks.push(record_);
+}
+
+void CouplingLoop::save(LoopSnapshot& out) const noexcept {
+  std::size_t size = 0;
+  each_state(*this, [&](const auto& member) {
+    static_assert(std::is_trivially_destructible_v<std::remove_cvref_t<decltype(member)>>, "bytes are all there is");
+    if (size + sizeof member <= LoopSnapshot::kCapacity) {
+      std::memcpy(out.bytes.data() + size, static_cast<const void*>(&member), sizeof member);
+    }
+    size += sizeof member;
+  });
+  out.size = size <= LoopSnapshot::kCapacity ? static_cast<std::uint32_t>(size) : 0;  // 0: restore() refuses it
+}
+
+bool CouplingLoop::restore(const LoopSnapshot& snapshot) noexcept {
+  std::size_t size = 0;
+  each_state(*this, [&](const auto& member) { size += sizeof member; });
+  if (snapshot.size != size) return false;
+  size = 0;
+  each_state(*this, [&](auto& member) {
+    std::memcpy(static_cast<void*>(&member), snapshot.bytes.data() + size, sizeof member);
+    size += sizeof member;
+  });
+  return true;
 }
 
 void CouplingLoop::publish_status() noexcept {

@@ -1,57 +1,56 @@
 #include "coupling/loop/flight_recorder.hpp"
 
 #include <cmath>
-#include <sstream>
 
 #include "fault/fault.hpp"
 #include "file/whole_file.hpp"
 
 namespace tact::coupling {
-namespace {
 
-void put(std::ostream& out, const Vec3& v) { out << ',' << v.x() << ',' << v.y() << ',' << v.z(); }
-void put(std::ostream& out, const Pose& X) {
-  put(out, X.p);
-  out << ',' << X.q.w() << ',' << X.q.x() << ',' << X.q.y() << ',' << X.q.z();
-}
-
-std::string pose_columns(const std::string& name) {
-  std::string columns;
-  for (const char* c : {"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"}) columns += "," + name + "_" + c;
-  return columns;
-}
-
-std::string wrench_columns(const std::string& name) {
-  std::string columns;
-  for (const char* c : {"fx_n", "fy_n", "fz_n", "tx_nm", "ty_nm", "tz_nm"}) columns += "," + name + "_" + c;
-  return columns;
-}
-
-std::string twist_columns(const std::string& name) {
-  std::string columns;
-  for (const char* c : {"vx_m_per_s", "vy_m_per_s", "vz_m_per_s", "wx_rad_per_s", "wy_rad_per_s", "wz_rad_per_s"}) {
-    columns += "," + name + "_" + c;
-  }
-  return columns;
-}
-
-}  // namespace
-
-FlightRecorder::FlightRecorder(double rate_hz, double history_s, std::filesystem::path directory, int files_max)
-    : history_ticks_(static_cast<std::size_t>(std::ceil(rate_hz * history_s))),
-      after_ticks_(static_cast<std::size_t>(std::ceil(rate_hz))),
+// A quarter of a second more than promised: a replay begins at a snapshot.
+FlightRecorder::FlightRecorder(const RecordingInfo& info, std::filesystem::path directory,
+                               const std::filesystem::path& session_file, int files_max)
+    : info_(info),
+      history_ticks_(
+          static_cast<std::size_t>(std::ceil(info.config.rate_hz * (kHistory_s + TickQueue::kSnapshotPeriod_s)))),
+      after_ticks_(static_cast<std::size_t>(std::ceil(info.config.rate_hz))),
       directory_(std::move(directory)),
       files_left_(files_max),
-      ring_(history_ticks_) {}
+      queue_(info.config.rate_hz, kHistory_s) {
+  info_.layout = state_layout();
+  info_.reason.clear();
+  if (!session_file.empty()) session_ = std::make_unique<RecordWriter>(session_file, kRecordingKind, encode(info_));
+}
+
+void FlightRecorder::keep(bool is_tick, std::vector<std::byte> bytes, std::string& failed) {
+  if (session_) {
+    try {
+      session_->append(bytes);
+    } catch (const SetupError& error) {
+      failed = error.what();
+      session_.reset();
+    }
+  }
+  history_.push_back({is_tick, std::move(bytes)});
+  ticks_ += is_tick ? 1 : 0;
+  while (ticks_ > history_ticks_ + after_ticks_) {
+    ticks_ -= history_.front().is_tick ? 1 : 0;
+    history_.pop_front();
+  }
+}
 
 std::filesystem::path FlightRecorder::drain(std::uint32_t dump_on) {
   std::filesystem::path written;
-  TickRecord record;
-  while (ring_.pop(record)) {
-    history_.push_back(record);
-    if (history_.size() > history_ticks_ + after_ticks_) history_.pop_front();
-    const std::uint32_t begun = record.faults & ~last_faults_ & dump_on;
-    last_faults_ = record.faults;
+  std::string failed;
+  while (queue_.ticks.pop(tick_)) {
+    keep(true, encode(tick_), failed);
+    has_snapshot_ = has_snapshot_ || queue_.snapshots.pop(snapshot_);
+    while (has_snapshot_ && snapshot_.tick <= tick_.tick.index) {  // older: its tick was dropped
+      if (snapshot_.tick == tick_.tick.index) keep(false, encode(snapshot_), failed);
+      has_snapshot_ = queue_.snapshots.pop(snapshot_);
+    }
+    const std::uint32_t begun = tick_.faults & ~last_faults_ & dump_on;
+    last_faults_ = tick_.faults;
     if (begun != 0 && dump_in_ == 0 && files_left_ > 0) {
       dump_in_ = after_ticks_;
       dump_faults_ = begun;
@@ -59,6 +58,15 @@ std::filesystem::path FlightRecorder::drain(std::uint32_t dump_on) {
       written = dump(fault_names(dump_faults_));
     }
   }
+  if (session_) {
+    try {
+      session_->flush();
+    } catch (const SetupError& error) {
+      failed = error.what();
+      session_.reset();
+    }
+  }
+  if (!failed.empty()) throw SetupError(failed + " The recording ends here, the session goes on");
   return written;
 }
 
@@ -71,29 +79,18 @@ std::filesystem::path FlightRecorder::finish(std::uint32_t dump_on) {
 
 std::filesystem::path FlightRecorder::dump(const std::string& reason) {
   --files_left_;
-  const auto path = directory_ / ("flight-" + std::to_string(++files_) + ".csv");
-  std::ostringstream out;
-  out.precision(9);
-  out << "# tact flight record, schema 1: " << reason << '\n'
-      << "tick,t_mono_ns,pose_seq,reply_seq,wrench_age_ticks,faults,contact_count" << pose_columns("X_WH")
-      << pose_columns("X_WT") << wrench_columns("F_contact_W") << wrench_columns("F_sent_W") << pose_columns("X_sent")
-      << ",max_depth_m,tick_ns" << twist_columns("V_sent") << '\n';  // new columns come last
-  for (const TickRecord& r : history_) {
-    out << r.tick << ',' << r.t_mono_ns << ',' << r.pose_seq << ',' << r.reply_seq << ',' << r.wrench_age_ticks << ','
-        << r.faults << ',' << r.contact_count;
-    put(out, r.X_WH);
-    put(out, r.X_WT);
-    put(out, r.F_contact_W.force);
-    put(out, r.F_contact_W.torque);
-    put(out, r.F_sent_W.force);
-    put(out, r.F_sent_W.torque);
-    put(out, r.X_sent);
-    out << ',' << r.max_depth_m << ',' << r.tick_ns;
-    put(out, r.V_sent.linear);
-    put(out, r.V_sent.angular);
-    out << '\n';
+  const auto path = directory_ / ("flight-" + std::to_string(++files_) + ".tick");
+  const std::filesystem::path part = path.string() + ".part";  // whoever sees the file sees all of it
+  RecordingInfo info = info_;
+  info.reason = reason;
+  {
+    RecordWriter out(part, kRecordingKind, encode(info));
+    for (const Entry& entry : history_) out.append(entry.bytes);
+    out.flush();
   }
-  write_whole(path, out.view());
+  std::error_code failed;
+  std::filesystem::rename(part, path, failed);
+  if (failed) throw SetupError(path.string() + ": flight record: cannot be written: " + failed.message());
   return path;
 }
 

@@ -11,6 +11,7 @@ DeviceOptions device_options(const Session& session) {
   options.virtuose = session.machine.virtuose;
   options.force_limit_n = session.machine.force_limit_n;
   options.torque_limit_nm = session.machine.torque_limit_nm;
+  options.simulated = session.machine.simulated;
   if (const auto hand = scripted_hand(session)) {
     options.hand.force_max_n = hand->hand_force_max_n;
     options.hand_motion = load_hand_motion(hand->hand_csv);

@@ -176,5 +176,22 @@ TEST(Readme, DocumentsEveryKey) {
   }
 }
 
+TEST(MachineKey, PlaybackNeedsARecordingThatIsThereAndNothingElseThatMovesTheHand) {
+  const TempFolder folder;
+  Session s;
+  s.scene.obstacle.shape = s.scene.tool.shape = "box";
+  s.machine.device = "playback";
+  EXPECT_NE(setup_error([&] { check_session(s); }).find("device.recording: found nothing"), std::string::npos);
+  s.machine.recording = folder.path() / "none.tick";
+  EXPECT_NE(setup_error([&] { check_session(s); }).find("device.recording: found no file"), std::string::npos);
+  s.machine.recording = folder.write("r.tick", "");
+  EXPECT_EQ(setup_error([&] { check_session(s); }), "no error");
+  s.run.hand_csv = folder.write("hand.csv", "");
+  EXPECT_NE(setup_error([&] { check_session(s); }).find("the recording moves the handle"), std::string::npos);
+  s.run.hand_csv.clear();
+  s.machine.simulated.events = folder.path() / "none.csv";
+  EXPECT_NE(setup_error([&] { check_session(s); }).find("device.events: found no file"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace tact

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
+
 #include <sys/stat.h>
+
+#include <tuple>
 
 #include "common/session/temp_folder.hpp"
 #include "session/scene_keys.hpp"
@@ -17,6 +20,7 @@ Session full_session(const TempFolder& folder) {
   s.run.for_s = 0.1 + 0.2;
   s.run.report = "/reports/r.json";
   s.run.plot = "/reports/p.png";
+  s.run.record = "/reports/r.tick";
   s.scene.name = "alpha";
   s.scene.title = "Two \"alphas\" \xce\xb1";
   s.scene.file = "/scenes/alpha.toml";
@@ -48,6 +52,8 @@ Session full_session(const TempFolder& folder) {
   s.machine.virtuose.library = "/opt/arm/virtuoseAPI.so";
   s.machine.virtuose.indexing = "none";
   s.machine.virtuose.damper_nm_s_per_rad = 0.25;
+  s.machine.recording = "/reports/old.tick";
+  s.machine.simulated = {"/e.csv", 0.5, 9, 7, "stiff", 1, 8, 3, 0.25, 1e-5, 1e-4, 3};
   s.machine.rate_hz = 1e3 / 3;
   s.machine.view = false;
   s.machine.token = "abcdefgh";
@@ -77,6 +83,7 @@ TEST(Session, ReadsBackExactlyWhatWasSaved) {
   EXPECT_EQ(read.run.for_s, saved.run.for_s);
   EXPECT_EQ(read.run.report, saved.run.report);
   EXPECT_EQ(read.run.plot, saved.run.plot);
+  EXPECT_EQ(read.run.record, saved.run.record);
   EXPECT_EQ(read.scene.title, saved.scene.title);
   EXPECT_EQ(read.scene.file, saved.scene.file);
   EXPECT_EQ(read.scene.obstacle.shape_params, saved.scene.obstacle.shape_params);
@@ -97,6 +104,14 @@ TEST(Session, ReadsBackExactlyWhatWasSaved) {
   EXPECT_EQ(read.machine.virtuose.library, "/opt/arm/virtuoseAPI.so");
   EXPECT_EQ(read.machine.virtuose.indexing, "none");
   EXPECT_EQ(read.machine.virtuose.damper_nm_s_per_rad, 0.25);
+  EXPECT_EQ(read.machine.recording, saved.machine.recording);
+  const SimulatedSpec &is = read.machine.simulated, &was = saved.machine.simulated;
+  EXPECT_EQ(is.events, was.events);
+  EXPECT_EQ(is.grip, was.grip);
+  EXPECT_EQ(std::tie(is.tremor_n, is.tremor_hz, is.seed, is.coulomb_n, is.force_continuous_n, is.thermal_s),
+            std::tie(was.tremor_n, was.tremor_hz, was.seed, was.coulomb_n, was.force_continuous_n, was.thermal_s));
+  EXPECT_EQ(std::tie(is.workspace_m, is.quantum_m, is.quantum_rad, is.delay_ticks),
+            std::tie(was.workspace_m, was.quantum_m, was.quantum_rad, was.delay_ticks));
   EXPECT_FALSE(read.machine.view);
 }
 

@@ -124,20 +124,20 @@ TEST(SimulatedDevice, TheArmsPeakForceBoundsAnyCommand) {
 }
 
 TEST(OpenDevice, RefusesWhatIsNotAvailableAndSaysWhatIs) {
-  for (const char* name : {"playback", "joystick"}) {
-    DeviceOptions options;
-    options.name = name;
-    try {
-      open_device(options);
-      FAIL() << name;
-    } catch (const SetupError& e) {
-      EXPECT_NE(std::string(e.what()).find("\"simulated\""), std::string::npos) << e.what();
-      EXPECT_NE(std::string(e.what()).find(name), std::string::npos) << e.what();
-    }
-  }
   DeviceOptions options;
+  options.name = "joystick";
+  try {
+    open_device(options);
+    FAIL() << "opened a joystick";
+  } catch (const SetupError& e) {
+    EXPECT_NE(std::string(e.what()).find("\"simulated\""), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("joystick"), std::string::npos) << e.what();
+  }
+  options = {};
   options.mode = "admittance";
   EXPECT_THROW(open_device(options), SetupError);
+  options.name = "playback";
+  EXPECT_THROW(open_device(options), SetupError) << "nothing was recorded";
 }
 
 TEST(OpenDevice, LeadsTheMeshFrameAlongTheMotion) {

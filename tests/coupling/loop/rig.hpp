@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <memory>
 
 #include "coupling/device/simulated_device.hpp"
@@ -18,6 +19,8 @@ struct Rig {
     int delay = 0;
     Integrator integrator = Integrator::implicit;
     LoopParameters parameters;
+    std::function<void(SimulatedDevice::Params&)> device;  // more of it
+    TickQueue* records = nullptr;
   };
 
   static LoopConfig config_of(const Options& o) {
@@ -38,13 +41,14 @@ struct Rig {
     params.mode = o.mode;
     params.rate_hz = o.rate_hz;
     params.virtual_inertia_kg_m2 = 0.2 * 4e-4;
+    if (o.device) o.device(params);
     return params;
   }
 
   explicit Rig(const Options& o)
       : options(o),
         device(device_of(o), o.motion, Pose{o.start, Quat::Identity()}),
-        loop(config_of(o), device, *mail, nullptr) {
+        loop(config_of(o), device, *mail, o.records) {
     wall.k = o.k / 4;
     wall.x_max = 10.0 / o.k;
     wall.delay = o.delay;

@@ -3,14 +3,9 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <fstream>
-
 #include "fault/fault.hpp"
 #include "link/convert.hpp"
-#include "link/endpoint.hpp"
-#include "link/roudi.hpp"
-#include "session/session.hpp"
-#include "support/process.hpp"
+#include "program/program_session.hpp"
 
 namespace tact {
 namespace {
@@ -23,23 +18,12 @@ class CouplingProgram : public ::testing::TestWithParam<std::tuple<const char*, 
   static void TearDownTestSuite() { lease_.reset(); }
 
   CouplingProgram() {
-    session_.name = std::to_string(::getpid()) + "-program";
-    session_.id = 7;
-    session_.run_dir = dir_.path();
     session_.machine.transport = std::get<0>(GetParam());
     session_.machine.mode = std::get<1>(GetParam());
-    session_.scene.name = session_.scene.title = "half-space";
-    session_.scene.obstacle.shape = session_.scene.tool.shape = "box";
-    session_.scene.start_X_WM.p = {0, 0, 0.02};
-    session_.run.hand_csv = dir_.path() / "press.csv";
-    std::ofstream(session_.run.hand_csv)
-        << "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0.02,1,0,0,0\n0.5,0,0,-0.05,1,0,0,0\n";
-    save_session(session_, file_);
+    program_.save();
   }
-  test::Process start(const char* program) {
-    return {{program, "--session", file_}, dir_.path() / ("log" + std::to_string(logs_++))};
-  }
-  test::Process start_server() { return {{TACT_SERVER, file_}, dir_.path() / ("log" + std::to_string(logs_++))}; }
+  test::Process start(const char* program) { return program_.start(program, "log" + std::to_string(logs_++)); }
+  test::Process start_server() { return program_.start_server(TACT_SERVER, "log" + std::to_string(logs_++)); }
 
   /// The newest state, waiting for one that satisfies the condition.
   template <class Condition>
@@ -51,10 +35,9 @@ class CouplingProgram : public ::testing::TestWithParam<std::tuple<const char*, 
   }
 
   static inline std::unique_ptr<RoudiLease> lease_;
-  const test::ScratchDir dir_;
-  const std::filesystem::path file_ = dir_.path() / "session.toml";
+  test::ProgramSession program_;
+  Session& session_ = program_.session;
   int logs_ = 0;
-  Session session_;
   std::unique_ptr<Participant> low_;
   std::unique_ptr<Subscriber<wire::DeviceState>> states_;
   std::unique_ptr<Subscriber<wire::SessionStats>> stats_;
@@ -69,7 +52,8 @@ class CouplingProgram : public ::testing::TestWithParam<std::tuple<const char*, 
 
 TEST_P(CouplingProgram, PressesOnAWallSurvivesTheServersDeathAndEndsInOrder) {
   auto coupling = start(TACT_COUPLING);
-  auto server = std::make_unique<test::Process>(std::vector<std::string>{TACT_SERVER, file_}, dir_.path() / "server1");
+  auto server = std::make_unique<test::Process>(std::vector<std::string>{TACT_SERVER, program_.file()},
+                                                program_.dir() / "server1");
   ASSERT_TRUE(state_shows(pressed)) << coupling.output() << server->output();
   EXPECT_LT(std::abs(state_.X_WM.position.z + 10.0 / 20000), 1e-4);
 
@@ -78,7 +62,8 @@ TEST_P(CouplingProgram, PressesOnAWallSurvivesTheServersDeathAndEndsInOrder) {
   ASSERT_TRUE(state_shows([](const auto& s) { return s.F_coupling_W.force.z == 0; }));
   EXPECT_LT(std::abs(state_.X_WM.position.z), 2e-3);  // calm: it stands where it was
 
-  server = std::make_unique<test::Process>(std::vector<std::string>{TACT_SERVER, file_}, dir_.path() / "server2");
+  server = std::make_unique<test::Process>(std::vector<std::string>{TACT_SERVER, program_.file()},
+                                           program_.dir() / "server2");
   ASSERT_TRUE(state_shows(pressed)) << coupling.output();
   coupling.signal(SIGTERM);
   ASSERT_EQ(coupling.wait(20s), 0) << coupling.output();
@@ -95,7 +80,7 @@ TEST_P(CouplingProgram, PressesOnAWallSurvivesTheServersDeathAndEndsInOrder) {
               tick.percentile_ns(0.5) / 1e3, tick.percentile_ns(0.99) / 1e3, trip.percentile_ns(0.5) / 1e3,
               trip.percentile_ns(0.99) / 1e3, jitter.percentile_ns(0.5) / 1e3, jitter.percentile_ns(0.99) / 1e3);
   std::printf("%s", coupling.output().c_str());
-  EXPECT_TRUE(std::filesystem::exists(dir_.path() / "flight-1.csv"));
+  EXPECT_TRUE(std::filesystem::exists(program_.dir() / "flight-1.tick"));
 }
 
 TEST_P(CouplingProgram, StopsAtOnceWhileItWaitsForAScene) {
