@@ -1,4 +1,5 @@
 #pragma once
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,17 @@ int bake(const RunOptions& options, bool json);
 int scenes(bool json);
 int status(bool json);
 int doctor(bool json);
+/// Exit code 0: the same, 1: it differs. `factor` on the tolerances.
+int replay(const std::filesystem::path& recording, double factor, bool json);
+/// `png` empty: beside the recording, or no picture when there is a CSV.
+int plot(const std::filesystem::path& recording, std::filesystem::path png, const std::filesystem::path& csv);
+struct LatencyOptions {
+  double rate_hz = 1000, seconds = 5, compute_us = 200;
+  int cpu = -1;
+  bool json = false, against_cyclictest = false;
+};
+/// Exit code 3 when the bar against cyclictest is missed.
+int latency(const LatencyOptions& options);
 /// Becomes the program tact-bench; returns never.
 int bench(const std::vector<std::string>& arguments);
 

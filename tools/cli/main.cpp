@@ -17,7 +17,9 @@ struct ShortOption {
   const char *option, *key, *help;
 };
 constexpr ShortOption kSessionOptions[] = {
-    {"--device", "device.driver", "simulated; playback and virtuose are reserved, not in this version"},
+    {"--device", "device.driver", "simulated, virtuose, or playback (of --recording)"},
+    {"--recording", "device.recording", "Playback: the recording whose hand is played"},
+    {"--events", "device.events", "Simulated: CSV of faults and grips, time_s,event,duration_s"},
     {"--mode", "device.mode", "pseudo-admittance or impedance"},
     {"--law", "contact.law", "none, global, adaptive-3dof, adaptive-6dof or potential"},
     {"--stiffness", "contact.stiffness_n_per_m", "Contact stiffness k in N/m"},
@@ -35,6 +37,7 @@ constexpr ShortOption kRunOptions[] = {
     {"--for", "run.for_s", "End by itself after this time in contact service: 20s, 2min"},
     {"--report", "run.report", "Write the session report as JSON, and its plot beside it"},
     {"--plot", "run.plot", "Where to draw the plot (PNG)"},
+    {"--record", "run.record", "Write every tick of the device loop there, for tact replay, tact plot, playback"},
 };
 
 // trigger_on_parse: settings come in the order typed, for the last one said to hold.
@@ -82,6 +85,24 @@ void add_run(CLI::App& app, tact::cli::RunOptions& o, std::function<void()> acti
   run->callback(std::move(action));
 }
 
+void add_latency(CLI::App& app, tact::cli::LatencyOptions& o, std::function<void()> action) {
+  auto* latency = app.add_subcommand("latency", "What this machine can do: wake-up, round trips, the rate we advise");
+  latency->add_option("--rate", o.rate_hz, "Measurements per second")->check(CLI::Range(10.0, 10000.0));
+  latency->add_option("--for", o.seconds, "Seconds for each figure")->check(CLI::Range(0.1, 3600.0));
+  latency->add_option("--cpu", o.cpu, "Pin the threads to this CPU (default: any)");
+  latency->add_option("--compute-us", o.compute_us, "What contact and coupling take of a tick, for the advice")
+      ->check(CLI::NonNegativeNumber);
+  latency->add_flag("--against-cyclictest", o.against_cyclictest,
+                    "Wake-up only, alternating with cyclictest (package rt-tests), five repeats");
+  latency->add_flag("--json", o.json, "As JSON");
+  latency->footer(
+      "Beside each figure stands what it was measured under: what the system refuses is measured without.\n"
+      "Exit status 0; 3: wake-up p99 is more than 1.5 times cyclictest's (other work on the machine makes it worse).\n"
+      "Examples:\n  tact latency\n  tact latency --rate 4000 --for 60 --compute-us 120\n"
+      "  tact latency --against-cyclictest --for 20");
+  latency->callback(std::move(action));
+}
+
 int run_tact(int argc, char** argv) {
   CLI::App app{"Tact: distributed 6-DoF haptic rendering", "tact"};
   app.require_subcommand(1);
@@ -116,6 +137,29 @@ int run_tact(int argc, char** argv) {
   doctor->footer(
       "Exit status 0: sessions run here (warnings make them late or slow), 1: they do not.\nExample:\n  tact doctor");
   doctor->callback([&] { code = tact::cli::doctor(json); });
+
+  std::filesystem::path recording, png, csv;
+  double factor = 1;
+  auto* replay = app.add_subcommand("replay", "Run the coupling once more on a recording, and compare what comes out");
+  replay->add_option("FILE", recording, "A flight record, or what tact run --record wrote")->required();
+  replay->add_option("--factor", factor, "On the tolerances: 1e-6 N, 1e-7 Nm, 1e-9 m, 1e-8 rad")
+      ->check(CLI::PositiveNumber);
+  replay->add_flag("--json", json, "As JSON");
+  replay->footer(
+      "The same program on the same machine repeats every bit.\n"
+      "Exit status 0: the same, 1: it differs (says from where and by how much), 2: no recording.\n"
+      "Example:\n  tact replay report-flight-1.tick");
+  replay->callback([&] { code = tact::cli::replay(recording, factor, json); });
+
+  auto* plot = app.add_subcommand("plot", "Draw a recording: forces, poses, depth, contacts, tick time");
+  plot->add_option("FILE", recording, "A flight record, or what tact run --record wrote")->required();
+  plot->add_option("-o,--png", png, "Where to draw (default: beside the recording, with --csv: nowhere)");
+  plot->add_option("--csv", csv, "Write every tick as a row there");
+  plot->footer("Examples:\n  tact plot report-flight-1.tick\n  tact plot session.tick --csv session.csv");
+  plot->callback([&] { code = tact::cli::plot(recording, png, csv); });
+
+  tact::cli::LatencyOptions latency_options;
+  add_latency(app, latency_options, [&] { code = tact::cli::latency(latency_options); });
 
   auto* bench = app.add_subcommand("bench", "Measure speed and accuracy on this machine, beside FCL and OpenVDB");
   bench->set_help_flag();  // tact-bench has its own
