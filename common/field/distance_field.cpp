@@ -91,7 +91,7 @@ double DistanceField::outside_clearance(const Vec3& u) const noexcept {
   const Vec3 nearest = u.cwiseMax(kInset).cwiseMin((cells_.array() - kInset).matrix());
   double square = 0;
   for (int i = 0; i < 3; ++i) square += (u[i] - nearest[i]) * (u[i] - nearest[i]);
-  return beyond(voxel_m_ * std::sqrt(square), probe_cell(cell_at(nearest)).clearance_m, kInsetSlack * voxel_m_);
+  return beyond(voxel_m_ * std::sqrt(square), probe_cell(cell_at(nearest), kAll).clearance_m, kInsetSlack * voxel_m_);
 }
 
 double DistanceField::lower_bound(const Vec3& p_O) const noexcept {
@@ -102,12 +102,12 @@ double DistanceField::lower_bound(const Vec3& p_O) const noexcept {
     const Vec3 nearest = p_O.cwiseMax(min_O_ + inset).cwiseMin(max_O() - inset);
     return beyond((p_O - nearest).norm(), lower_bound(nearest), kInsetSlack * voxel_m_);
   }
-  if (!c.entry->stored()) return c.entry->inside() ? -band_m_ : coarse_distance(c);
+  if (!c.entry->stored()) return c.entry->inside() ? -band_m_ : boundary_bound(c);
   // Corners are exact to half a step, and the distance is 1-Lipschitz: the mean of eight corners errs by at most
   // their mean distance, sqrt(3)/2 h.
   constexpr double kHalfDiagonal = 0.8661;
   const double value = probe(p_O).value_m - kHalfDiagonal * voxel_m_ - scale_m_;
-  return c.entry->promise > 0 ? value : std::min(value, 0.0);  // the sign may be wrong near jumps
+  return c.entry->inverse_slope.value() > 0 ? value : std::min(value, 0.0);  // the sign may be wrong near jumps
 }
 
 }  // namespace tact

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <span>
 
@@ -55,7 +56,11 @@ class DistanceField {
   /// R < clearance_m holds no contact. Holds for the field *as stored* (interpolation, rounding, dirty input with
   /// jumping signs included), so a traversal that culls by it finds exactly what brute force finds. Negative where
   /// nothing can be promised. One block look-up; sharper near the surface than lower_bound() (README).
-  Probe probe(const Vec3& p_O) const noexcept;
+  ///
+  /// Who asks only whether the clearance is more than `enough_m` >= 0 says so: where the coarse entry alone promises
+  /// it, corners are not read. Then value_m is band_m() (the sample is not negative) and clearance_m that promise.
+  Probe probe(const Vec3& p_O, double enough_m = kAll) const noexcept;
+  static constexpr double kAll = std::numeric_limits<double>::infinity();
 
   /// Points as three arrays.
   struct Points {
@@ -69,8 +74,12 @@ class DistanceField {
   static constexpr std::uint8_t kInBand = 1, kDoubtful = 2;
 
   /// Many points at once: for each, bit for bit what probe() and sample() answer. Several times faster: arithmetic with
-  /// the widest SIMD the processor has, and the memory accesses of many points under way together.
-  void probe(const Points& points, double* value_m, double* clearance_m) const noexcept;
+  /// the widest SIMD the processor has, and the memory accesses of many points under way together. `enough_m`: one a
+  /// point; null: kAll for each.
+  void probe(const Points& points, const double* enough_m, double* value_m, double* clearance_m) const noexcept;
+  void probe(const Points& points, double* value_m, double* clearance_m) const noexcept {
+    probe(points, nullptr, value_m, clearance_m);
+  }
   void sample(const Points& points, const Samples& samples) const noexcept;
 
   double voxel_m() const noexcept { return voxel_m_; }
@@ -98,9 +107,9 @@ class DistanceField {
     double f[3];  ///< in [0, 1]
   };
   Corners corners(const Cell& c) const noexcept;
-  Probe probe_cell(const Cell& c) const noexcept;
+  Probe probe_cell(const Cell& c, double enough_m) const noexcept;
   double outside_clearance(const Vec3& u) const noexcept;
-  double coarse_distance(const Cell& c) const noexcept;
+  double boundary_bound(const Cell& c) const noexcept;
   void adopt(const FieldGrid& grid, const CoarseEntry* coarse, const FieldBlock* blocks) noexcept;
 
   /// Faces of blocks that a segment shorter than a block crosses at most: neighbours may round a shared corner
@@ -158,13 +167,15 @@ inline DistanceField::Corners DistanceField::corners(const Cell& c) const noexce
   return k;
 }
 
-inline double DistanceField::coarse_distance(const Cell& c) const noexcept {
-  double square = 0;  // from the block's centre, in cells
-  for (int i = 0; i < 3; ++i) {
-    const double d = c.u[i] - (c.block[i] + 0.5) * kBlockCells;
-    square += d * d;
-  }
-  return static_cast<double>(c.entry->promise) - voxel_m_ * std::sqrt(square);
+/// No part of the body's boundary is nearer: see CoarseEntry::level.
+inline double DistanceField::boundary_bound(const Cell& c) const noexcept {
+  double v[3];  // from the block's centre, in cells
+  for (int i = 0; i < 3; ++i) v[i] = c.u[i] - (c.block[i] + 0.5) * kBlockCells;
+  const auto& tilt = c.entry->tilt;
+  const double tilted = static_cast<double>(tilt[0].value()) * v[0] + static_cast<double>(tilt[1].value()) * v[1] +
+                        static_cast<double>(tilt[2].value()) * v[2];
+  const double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + static_cast<double>(c.entry->level) + tilted;
+  return voxel_m_ * std::sqrt(square > 0 ? square : 0);
 }
 
 inline DistanceField::Sample DistanceField::sample(const Vec3& p_O) const noexcept {
@@ -185,23 +196,26 @@ inline DistanceField::Sample DistanceField::sample(const Vec3& p_O) const noexce
   return {value, inverse_voxel_ * Vec3(gx, gy, y1 - y0), true, doubtful};
 }
 
-inline DistanceField::Probe DistanceField::probe(const Vec3& p_O) const noexcept {
+inline DistanceField::Probe DistanceField::probe(const Vec3& p_O, double enough_m) const noexcept {
   const Cell c = find(p_O);
   if (c.entry == nullptr) return {band_m_, outside_clearance(c.u)};
-  return probe_cell(c);
+  return probe_cell(c, enough_m);
 }
 
-inline DistanceField::Probe DistanceField::probe_cell(const Cell& c) const noexcept {
+inline DistanceField::Probe DistanceField::probe_cell(const Cell& c, double enough_m) const noexcept {
+  const double free = boundary_bound(c) - kFarSlack * voxel_m_;  // of a point where the field is positive
   if (!c.entry->stored()) {
     if (c.entry->inside()) return {-band_m_, -band_m_};
-    return {band_m_, coarse_distance(c) - kFarSlack * voxel_m_};
+    return {band_m_, free};
   }
+  if (c.entry->positive() && free > enough_m) return {band_m_, free};
   const Corners k = corners(c);
   const double fx = k.f[0], fy = k.f[1], fz = k.f[2], ex = 1 - fx, ey = 1 - fy, ez = 1 - fz;
   const double value = ((k.v[0] * ex + k.v[1] * fx) * ey + (k.v[2] * ex + k.v[3] * fx) * fy) * ez +
                        ((k.v[4] * ex + k.v[5] * fx) * ey + (k.v[6] * ex + k.v[7] * fx) * fy) * fz;
   const double clamped = value < -band_m_ ? -band_m_ : value > band_m_ ? band_m_ : value;
-  return {clamped, (clamped - kFaces * scale_m_) * static_cast<double>(c.entry->promise)};
+  const double near = (value - kFaces * scale_m_) * static_cast<double>(c.entry->inverse_slope.value());
+  return {clamped, value > 0 && free > near ? free : near};
 }
 
 }  // namespace tact

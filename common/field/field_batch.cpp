@@ -22,13 +22,15 @@ using I = hn::Rebind<std::int32_t, D>;
 
 /// Of the points of a chunk.
 struct Scratch {
-  alignas(64) double f[3][kBatchChunk];           ///< place in the cell
-  alignas(64) double centre_square[kBatchChunk];  ///< squared distance to the block's centre, in cells
-  alignas(64) double out_square[kBatchChunk];     ///< squared distance to the grid, in cells; 0: inside; -1: not finite
-  alignas(64) std::int32_t index[kBatchChunk];    ///< of the coarse entry; of the nearest point inside
-  alignas(64) std::int32_t corner[kBatchChunk];   ///< index of the cell's first corner in its block
-  alignas(64) std::int32_t flags[kBatchChunk];    ///< CoarseEntry::slot_and_flags
-  alignas(64) float promise[kBatchChunk];         ///< CoarseEntry::promise
+  alignas(64) double f[3][kBatchChunk];          ///< place in the cell
+  alignas(64) double v[3][kBatchChunk];          ///< from the block's centre, in cells
+  alignas(64) double out_square[kBatchChunk];    ///< squared distance to the grid, in cells; 0: inside; -1: not finite
+  alignas(64) double free[kBatchChunk];          ///< what the coarse entry promises where the field is positive, m
+  alignas(64) double slope[kBatchChunk];         ///< CoarseEntry::inverse_slope
+  alignas(64) std::int32_t index[kBatchChunk];   ///< of the coarse entry; of the nearest point inside
+  alignas(64) std::int32_t corner[kBatchChunk];  ///< index of the cell's first corner in its block
+  /// CoarseEntry as words: slot_and_flags; level; tilt x and y; tilt z and inverse_slope.
+  alignas(64) std::int32_t flags[kBatchChunk], level[kBatchChunk], tilt_xy[kBatchChunk], tilt_z_slope[kBatchChunk];
   alignas(64) std::int32_t pair[4][kBatchChunk];  ///< corners at (y, z) = 00, 10, 01, 11, two along x as in memory
 };
 
@@ -68,10 +70,9 @@ HWY_INLINE void locate(const BatchView& field, const DistanceField::Points& poin
     hn::StoreU(hn::Sub(uy, hn::PromoteTo(d, wy)), d, s.f[1] + i);
     hn::StoreU(hn::Sub(uz, hn::PromoteTo(d, wz)), d, s.f[2] + i);
     const auto bx = hn::ShiftRight<3>(wx), by = hn::ShiftRight<3>(wy), bz = hn::ShiftRight<3>(wz);
-    const V cx = hn::Sub(ux, hn::Mul(hn::Add(hn::PromoteTo(d, bx), half), eight));
-    const V cy = hn::Sub(uy, hn::Mul(hn::Add(hn::PromoteTo(d, by), half), eight));
-    const V cz = hn::Sub(uz, hn::Mul(hn::Add(hn::PromoteTo(d, bz), half), eight));
-    hn::StoreU(hn::Add(hn::Add(hn::Mul(cx, cx), hn::Mul(cy, cy)), hn::Mul(cz, cz)), d, s.centre_square + i);
+    hn::StoreU(hn::Sub(ux, hn::Mul(hn::Add(hn::PromoteTo(d, bx), half), eight)), d, s.v[0] + i);
+    hn::StoreU(hn::Sub(uy, hn::Mul(hn::Add(hn::PromoteTo(d, by), half), eight)), d, s.v[1] + i);
+    hn::StoreU(hn::Sub(uz, hn::Mul(hn::Add(hn::PromoteTo(d, bz), half), eight)), d, s.v[2] + i);
     const auto index = hn::Add(hn::Add(hn::Mul(bz, hn::Set(di, field.slice)), hn::Mul(by, hn::Set(di, field.row))), bx);
     hn::StoreU(index, di, s.index + i);
     const auto zy = hn::Add(hn::Mul(hn::And(wz, seven), nine), hn::And(wy, seven));
@@ -79,20 +80,30 @@ HWY_INLINE void locate(const BatchView& field, const DistanceField::Points& poin
   }
 }
 
+/// Reads the coarse entries: their cache misses overlap.
+HWY_INLINE void fetch_entries(const BatchView& field, std::size_t count, Scratch& s) {
+  for (std::size_t i = 0; i < count; ++i) {
+    std::int32_t words[4];
+    std::memcpy(words, field.coarse + s.index[i], sizeof words);
+    s.flags[i] = words[0];
+    s.level[i] = words[1];
+    s.tilt_xy[i] = words[2];
+    s.tilt_z_slope[i] = words[3];
+  }
+}
+
 constexpr FieldBlock kNoBlock{};
 
-/// Reads coarse entries, then corners: the first loop's cache misses overlap, and its prefetches the second's.
-HWY_INLINE void fetch(const BatchView& field, std::size_t count, Scratch& s) {
+/// Reads the corners of the points whose flags name a block; zeros for the others.
+HWY_INLINE void fetch_corners(const BatchView& field, std::size_t count, Scratch& s) {
   constexpr std::size_t dy = kBlockCorners, dz = kBlockCorners * kBlockCorners;
   const std::int16_t* at[kBatchChunk];
   for (std::size_t i = 0; i < count; ++i) {
-    const CoarseEntry entry = field.coarse[s.index[i]];
-    const FieldBlock* block = entry.stored() ? field.blocks + entry.slot() : &kNoBlock;
+    const std::uint32_t slot = static_cast<std::uint32_t>(s.flags[i]) & CoarseEntry::kSlotMask;
+    const FieldBlock* block = slot != CoarseEntry::kNotStored ? field.blocks + slot : &kNoBlock;
     at[i] = block->q.data() + s.corner[i];
     __builtin_prefetch(at[i]);
     __builtin_prefetch(at[i] + dz);
-    std::memcpy(&s.flags[i], &entry.slot_and_flags, 4);
-    s.promise[i] = entry.promise;
   }
   for (std::size_t i = 0; i < count; ++i) {
     std::memcpy(&s.pair[0][i], at[i], 4);
@@ -102,16 +113,48 @@ HWY_INLINE void fetch(const BatchView& field, std::size_t count, Scratch& s) {
   }
 }
 
-/// What the coarse entries say: the promise, and 0 for a stored block, else 1 outside the body and -1 inside.
-HWY_INLINE void entries(const Scratch& s, std::size_t i, V& promise, V& far) {
+/// 0 for a stored block, else 1 outside the body and -1 inside.
+HWY_INLINE V far_sign(const Scratch& s, std::size_t i) {
   const D d;
   const I di;
   const auto flags = hn::LoadU(di, s.flags + i);
-  promise = hn::PromoteTo(d, hn::LoadU(hn::Rebind<float, D>(), s.promise + i));
   const V slot = hn::PromoteTo(d, hn::And(flags, hn::Set(di, static_cast<std::int32_t>(CoarseEntry::kSlotMask))));
   const V inside = hn::PromoteTo(d, hn::And(flags, hn::Set(di, static_cast<std::int32_t>(CoarseEntry::kInside))));
   const V sign = hn::IfThenElse(hn::Eq(inside, hn::Zero(d)), hn::Set(d, 1.0), hn::Set(d, -1.0));
-  far = hn::IfThenElseZero(hn::Eq(slot, hn::Set(d, static_cast<double>(CoarseEntry::kNotStored))), sign);
+  return hn::IfThenElseZero(hn::Eq(slot, hn::Set(d, static_cast<double>(CoarseEntry::kNotStored))), sign);
+}
+
+/// Sets free and slope. Where the entry alone promises more than `enough_m` (null: never) the flags become those of a
+/// block that is not stored.
+HWY_INLINE void promise(const BatchView& field, std::size_t count, const double* enough_m, Scratch& s) {
+  const D d;
+  const I di;
+  const hn::Rebind<float, D> single;
+  const auto high = hn::Set(di, static_cast<std::int32_t>(0xFFFF0000u));
+  const V zero = hn::Zero(d), voxel = hn::Set(d, field.voxel_m), slack = hn::Set(d, field.far_slack_m);
+  const V positive = hn::Set(d, static_cast<double>(CoarseEntry::kPositive));
+  const auto wide = [&](auto bits) { return hn::PromoteTo(d, hn::BitCast(single, bits)); };
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const auto xy = hn::LoadU(di, s.tilt_xy + i), zs = hn::LoadU(di, s.tilt_z_slope + i);
+    const V level = wide(hn::LoadU(di, s.level + i));
+    const V tx = wide(hn::ShiftLeft<16>(xy)), ty = wide(hn::And(xy, high)), tz = wide(hn::ShiftLeft<16>(zs));
+    const V vx = hn::LoadU(d, s.v[0] + i), vy = hn::LoadU(d, s.v[1] + i), vz = hn::LoadU(d, s.v[2] + i);
+    const V tilted = hn::Add(hn::Add(hn::Mul(tx, vx), hn::Mul(ty, vy)), hn::Mul(tz, vz));
+    const V square =
+        hn::Add(hn::Add(hn::Add(hn::Add(hn::Mul(vx, vx), hn::Mul(vy, vy)), hn::Mul(vz, vz)), level), tilted);
+    const V free = hn::Sub(hn::Mul(voxel, hn::Sqrt(hn::Max(square, zero))), slack);
+    hn::StoreU(free, d, s.free + i);
+    hn::StoreU(wide(hn::And(zs, high)), d, s.slope + i);
+    if (enough_m == nullptr) continue;
+    const auto flags = hn::LoadU(di, s.flags + i);
+    const V sign = hn::PromoteTo(d, hn::And(flags, hn::Set(di, static_cast<std::int32_t>(CoarseEntry::kPositive))));
+    const V inside_grid = hn::LoadU(d, s.out_square + i);
+    const auto known =
+        hn::And(hn::And(hn::Eq(sign, positive), hn::Eq(inside_grid, zero)), hn::Gt(free, hn::LoadU(d, enough_m + i)));
+    const auto mask = hn::DemoteTo(di, hn::IfThenElseZero(known, hn::Set(d, 1.0)));  // 1: not stored, as it were
+    const auto not_stored = hn::And(hn::Neg(mask), hn::Set(di, static_cast<std::int32_t>(CoarseEntry::kNotStored)));
+    hn::StoreU(hn::Or(flags, not_stored), di, s.flags + i);
+  }
 }
 
 HWY_INLINE void corners(const BatchView& field, const Scratch& s, std::size_t i, int k, V& low, V& high) {
@@ -126,35 +169,36 @@ HWY_INLINE void corners(const BatchView& field, const Scratch& s, std::size_t i,
 HWY_INLINE V mean(V a, V weight_a, V b, V weight_b) { return hn::Add(hn::Mul(a, weight_a), hn::Mul(b, weight_b)); }
 
 /// @pre points.size is a multiple of 8, as in sample_chunk
-void probe_chunk(const BatchView& field, const DistanceField::Points& points, double* value_m, double* clearance_m) {
+void probe_chunk(const BatchView& field, const DistanceField::Points& points, const double* enough_m, double* value_m,
+                 double* clearance_m) {
   Scratch s;
   locate(field, points, s);
-  fetch(field, points.size, s);
+  fetch_entries(field, points.size, s);
+  promise(field, points.size, enough_m, s);
+  fetch_corners(field, points.size, s);
   const D d;
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0), band = hn::Set(d, field.band_m),
           minus_band = hn::Set(d, -field.band_m);
-  const V face_slack = hn::Set(d, field.face_slack_m);
-  const V voxel = hn::Set(d, field.voxel_m), slack = hn::Set(d, field.far_slack_m);
+  const V face_slack = hn::Set(d, field.face_slack_m), voxel = hn::Set(d, field.voxel_m);
   for (std::size_t i = 0; i < points.size; i += hn::Lanes(d)) {
-    const V fx = hn::LoadU(d, s.f[0] + i), fy = hn::LoadU(d, s.f[1] + i), fz = hn::LoadU(d, s.f[2] + i);
-    const V ex = hn::Sub(one, fx), ey = hn::Sub(one, fy), ez = hn::Sub(one, fz);
-    V v0, v1, v2, v3, v4, v5, v6, v7;
-    corners(field, s, i, 0, v0, v1);
-    corners(field, s, i, 1, v2, v3);
-    corners(field, s, i, 2, v4, v5);
-    corners(field, s, i, 3, v6, v7);
-    const V y0 = mean(mean(v0, ex, v1, fx), ey, mean(v2, ex, v3, fx), fy);
-    const V y1 = mean(mean(v4, ex, v5, fx), ey, mean(v6, ex, v7, fx), fy);
-    V value = hn::Min(hn::Max(mean(y0, ez, y1, fz), minus_band), band);
-    V promise, far;
-    entries(s, i, promise, far);
-    V clearance = hn::Mul(hn::Sub(value, face_slack), promise);
+    const V free = hn::LoadU(d, s.free + i), far = far_sign(s, i);
+    V value = hn::Mul(far, band), clearance = hn::IfThenElse(hn::Gt(far, zero), free, minus_band);
     const auto stored = hn::Eq(far, zero);
-    if (!hn::AllTrue(d, stored)) {
-      const V to_centre = hn::Mul(voxel, hn::Sqrt(hn::LoadU(d, s.centre_square + i)));
-      const V free = hn::Sub(hn::Sub(promise, to_centre), slack);
-      value = hn::IfThenElse(stored, value, hn::Mul(far, band));
-      clearance = hn::IfThenElse(stored, clearance, hn::IfThenElse(hn::Gt(far, zero), free, minus_band));
+    if (!hn::AllFalse(d, stored)) {
+      const V fx = hn::LoadU(d, s.f[0] + i), fy = hn::LoadU(d, s.f[1] + i), fz = hn::LoadU(d, s.f[2] + i);
+      const V ex = hn::Sub(one, fx), ey = hn::Sub(one, fy), ez = hn::Sub(one, fz);
+      V v0, v1, v2, v3, v4, v5, v6, v7;
+      corners(field, s, i, 0, v0, v1);
+      corners(field, s, i, 1, v2, v3);
+      corners(field, s, i, 2, v4, v5);
+      corners(field, s, i, 3, v6, v7);
+      const V y0 = mean(mean(v0, ex, v1, fx), ey, mean(v2, ex, v3, fx), fy);
+      const V y1 = mean(mean(v4, ex, v5, fx), ey, mean(v6, ex, v7, fx), fy);
+      const V whole = mean(y0, ez, y1, fz);
+      const V near = hn::Mul(hn::Sub(whole, face_slack), hn::LoadU(d, s.slope + i));
+      const auto use_free = hn::And(hn::Gt(whole, zero), hn::Gt(free, near));
+      value = hn::IfThenElse(stored, hn::Min(hn::Max(whole, minus_band), band), value);
+      clearance = hn::IfThenElse(stored, hn::IfThenElse(use_free, free, near), clearance);
     }
     const V out_square = hn::LoadU(d, s.out_square + i);
     const auto inside = hn::Eq(out_square, zero);
@@ -175,7 +219,8 @@ void probe_chunk(const BatchView& field, const DistanceField::Points& points, do
 void sample_chunk(const BatchView& field, const DistanceField::Points& points, const DistanceField::Samples& out) {
   Scratch s;
   locate(field, points, s);
-  fetch(field, points.size, s);
+  fetch_entries(field, points.size, s);
+  fetch_corners(field, points.size, s);
   const D d;
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0), band = hn::Set(d, field.band_m);
   const V inverse = hn::Set(d, field.inverse_voxel);
@@ -195,9 +240,7 @@ void sample_chunk(const BatchView& field, const DistanceField::Points& points, c
         mean(mean(hn::Sub(v1, v0), ey, hn::Sub(v3, v2), fy), ez, mean(hn::Sub(v5, v4), ey, hn::Sub(v7, v6), fy), fz);
     const V gy = mean(hn::Sub(x10, x00), ez, hn::Sub(x11, x01), fz);
     const auto inside = hn::Eq(hn::LoadU(d, s.out_square + i), zero);
-    V promise, far;
-    entries(s, i, promise, far);
-    far = hn::IfThenElse(inside, far, one);
+    const V far = hn::IfThenElse(inside, far_sign(s, i), one);
     const auto in_band = hn::And(hn::Eq(far, zero), hn::Le(hn::Abs(value), band));
     const V clamped = hn::IfThenElse(hn::Eq(far, zero), hn::CopySign(band, value), hn::Mul(far, band));
     hn::StoreU(hn::IfThenElse(in_band, value, clamped), d, out.value_m + i);
@@ -266,15 +309,21 @@ DistanceField::Points part(const DistanceField::Points& all, std::size_t begin) 
 
 }  // namespace
 
-void DistanceField::probe(const Points& points, double* value_m, double* clearance_m) const noexcept {
+void DistanceField::probe(const Points& points, const double* enough_m, double* value_m,
+                          double* clearance_m) const noexcept {
   const BatchView view = BatchAccess::view(*this);
   for (std::size_t begin = 0; begin < points.size; begin += kBatchChunk) {
     const Points chunk = part(points, begin);
+    const double* enough = enough_m == nullptr ? nullptr : enough_m + begin;
     if (chunk.size % 8 == 0) {
-      HWY_DYNAMIC_DISPATCH(probe_chunk)(view, chunk, value_m + begin, clearance_m + begin);
+      HWY_DYNAMIC_DISPATCH(probe_chunk)(view, chunk, enough, value_m + begin, clearance_m + begin);
     } else {
-      double value[kBatchChunk], clearance[kBatchChunk];
-      HWY_DYNAMIC_DISPATCH(probe_chunk)(view, Padded(chunk).points(), value, clearance);
+      double value[kBatchChunk], clearance[kBatchChunk], enough_padded[kBatchChunk] = {};
+      if (enough != nullptr) {
+        std::memcpy(enough_padded, enough, chunk.size * sizeof(double));
+        enough = enough_padded;
+      }
+      HWY_DYNAMIC_DISPATCH(probe_chunk)(view, Padded(chunk).points(), enough, value, clearance);
       std::memcpy(value_m + begin, value, chunk.size * sizeof(double));
       std::memcpy(clearance_m + begin, clearance, chunk.size * sizeof(double));
     }

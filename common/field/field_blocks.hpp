@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -7,9 +8,9 @@
 
 namespace tact {
 
-/// The stored form of a DistanceField, shared by the sampler, the builder and the file (schema 2).
+/// The stored form of a DistanceField, shared by the sampler, the builder and the file (schema 3).
 ///
-/// Space is nb.x * nb.y * nb.z blocks of 8x8x8 cells. Each block has an 8-byte coarse entry; the entry of a block that
+/// Space is nb.x * nb.y * nb.z blocks of 8x8x8 cells. Each block has a 16-byte coarse entry; the entry of a block that
 /// the band touches names one FieldBlock.
 inline constexpr int kBlockCells = 8;
 inline constexpr int kBlockCorners = kBlockCells + 1;
@@ -23,24 +24,39 @@ struct alignas(64) FieldBlock {
 };
 static_assert(sizeof(FieldBlock) == 1472);
 
+/// The upper half of a float: 8 bits of precision in two bytes.
+struct HalfFloat {
+  std::uint16_t bits = 0;
+
+  float value() const noexcept { return std::bit_cast<float>(static_cast<std::uint32_t>(bits) << 16); }
+  /// The nearest one not farther from 0.
+  static HalfFloat toward_zero(float x) noexcept {
+    return {static_cast<std::uint16_t>(std::bit_cast<std::uint32_t>(x) >> 16)};
+  }
+};
+
 struct CoarseEntry {
   static constexpr std::uint32_t kDoubtful = 1u << 31;
-  static constexpr std::uint32_t kInside = 1u << 30;  ///< sign of a block that is not stored
-  static constexpr std::uint32_t kSlotMask = kInside - 1;
+  static constexpr std::uint32_t kInside = 1u << 30;    ///< sign of a block that is not stored
+  static constexpr std::uint32_t kPositive = 1u << 29;  ///< stored, and all values are more than 0
+  static constexpr std::uint32_t kSlotMask = kPositive - 1;
   static constexpr std::uint32_t kNotStored = kSlotMask;
 
   std::uint32_t slot_and_flags = kNotStored;
-  /// Not stored: conservative unsigned distance of the block's centre to the body's boundary, m.
-  /// Stored: 1 / steepest slope of positive values within the band of this block, at most 1: no sample is negative
-  /// nearer than `promise` times the value (less three steps). 0 near jumps of the sign. Set by finish().
-  float promise = 0;
+  /// The boundary of the body is nowhere nearer than sqrt(|v|^2 + level + tilt.v), v from the block's centre, all in
+  /// cells (README). Less near jumps of the sign: there, no jumping block is nearer either. Set by finish().
+  float level = -kBlockCells * kBlockCells;
+  std::array<HalfFloat, 3> tilt{};
+  /// 1 / steepest slope of positive values, at most 1; of a stored block: of its neighbours too, and 0 near jumps.
+  HalfFloat inverse_slope = HalfFloat::toward_zero(1);
 
   std::uint32_t slot() const noexcept { return slot_and_flags & kSlotMask; }
   bool stored() const noexcept { return slot() != kNotStored; }
   bool inside() const noexcept { return (slot_and_flags & kInside) != 0; }
+  bool positive() const noexcept { return (slot_and_flags & kPositive) != 0; }
   bool doubtful() const noexcept { return (slot_and_flags & kDoubtful) != 0; }
 };
-static_assert(sizeof(CoarseEntry) == 8);
+static_assert(sizeof(CoarseEntry) == 16);
 
 /// The grid: where cells are and what the 16-bit values mean.
 struct FieldGrid {
@@ -58,6 +74,13 @@ struct FieldGrid {
   std::size_t block_index(int x, int y, int z) const {
     return (static_cast<std::size_t>(z) * static_cast<std::size_t>(blocks[1]) + static_cast<std::size_t>(y)) *
                static_cast<std::size_t>(blocks[0]) +
+           static_cast<std::size_t>(x);
+  }
+  /// Corners of blocks, shared by neighbours: one more than blocks along each axis.
+  std::size_t block_corner_count() const { return block_corner_index(0, 0, blocks[2] + 1); }
+  std::size_t block_corner_index(int x, int y, int z) const {
+    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(blocks[1] + 1) + static_cast<std::size_t>(y)) *
+               static_cast<std::size_t>(blocks[0] + 1) +
            static_cast<std::size_t>(x);
   }
   Vec3 corner_O(int x, int y, int z) const { return min_O + voxel_m * Vec3(x, y, z); }  ///< global corner indices

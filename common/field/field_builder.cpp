@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "fault/fault.hpp"
@@ -123,8 +124,9 @@ void drop_far_blocks(FieldParts& parts) {
     const auto values = std::span(block.q).first(kBlockValues);
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
     std::uint32_t flags = entry.slot_and_flags & CoarseEntry::kDoubtful;
+    if (*low > 0) flags |= CoarseEntry::kPositive;
     if (*low > band || *high < -band) {
-      if (*high < 0) flags |= CoarseEntry::kInside;
+      flags = (flags & CoarseEntry::kDoubtful) | (*high < 0 ? CoarseEntry::kInside : 0);
       entry.slot_and_flags = flags | CoarseEntry::kNotStored;
     } else {
       entry.slot_and_flags = flags | static_cast<std::uint32_t>(kept.size());
@@ -189,23 +191,80 @@ void lowest_nearby(const FieldGrid& grid, int axis, int reach, std::vector<float
   }
 }
 
-/// Sets CoarseEntry::promise of the stored blocks: a ball no larger than the band reaches the neighbours only.
-void set_stored_promises(FieldParts& parts, const std::vector<std::uint8_t>& jumps) {
-  const FieldGrid& grid = parts.grid;
-  const double cell_steps = 32767 * grid.voxel_m / grid.range_m();
-  std::vector<float> inverse_slope(grid.block_count(), 1.f);
-  for (std::size_t i = 0; i < inverse_slope.size(); ++i) {
-    const CoarseEntry& entry = parts.coarse[i];
-    if (entry.stored()) {
-      const double slope = steepest_slope(parts.blocks[entry.slot()]) / cell_steps;
-      inverse_slope[i] = static_cast<float>((1 - 1e-6) / std::max(1.0, slope));
-    }
-    if (jumps[i] != 0) inverse_slope[i] = 0;
+/// Sets CoarseEntry::inverse_slope of every block to its own.
+void set_own_slopes(FieldParts& parts) {
+  const double cell_steps = 32767 * parts.grid.voxel_m / parts.grid.range_m();
+  for (CoarseEntry& entry : parts.coarse) {
+    if (!entry.stored()) continue;
+    const double slope = steepest_slope(parts.blocks[entry.slot()]) / cell_steps;
+    entry.inverse_slope = HalfFloat::toward_zero(static_cast<float>((1 - 1e-6) / std::max(1.0, slope)));
   }
-  const int reach = static_cast<int>(std::ceil(grid.band_m / (kBlockCells * grid.voxel_m)));
-  for (int axis = 0; axis < 3; ++axis) lowest_nearby(grid, axis, reach, inverse_slope);
-  for (std::size_t i = 0; i < inverse_slope.size(); ++i) {
-    if (parts.coarse[i].stored()) parts.coarse[i].promise = inverse_slope[i];
+}
+
+/// Lowers CoarseEntry::inverse_slope of stored blocks to the least of the neighbours: a ball of values no larger than
+/// the range reaches no farther.
+void spread_slopes(FieldParts& parts, const std::vector<std::uint8_t>& jumps) {
+  const FieldGrid& grid = parts.grid;
+  std::vector<float> least(grid.block_count());
+  for (std::size_t i = 0; i < least.size(); ++i) least[i] = jumps[i] != 0 ? 0 : parts.coarse[i].inverse_slope.value();
+  const int reach = static_cast<int>(std::ceil(grid.range_m() / (kBlockCells * grid.voxel_m)));
+  for (int axis = 0; axis < 3; ++axis) lowest_nearby(grid, axis, reach, least);
+  for (std::size_t i = 0; i < least.size(); ++i) {
+    if (parts.coarse[i].stored()) parts.coarse[i].inverse_slope = HalfFloat::toward_zero(least[i]);
+  }
+}
+
+/// The affine part of a lower bound of the squared distance: d^2 - |v|^2 is the least of affine functions of v, one for
+/// each point of the boundary, so it is concave, and no affine function that is below it at the corners of a block is
+/// above it inside. The tilt fits the corners, the level is as high as they allow. All in cells.
+void set_bound(const double (&distance)[8], CoarseEntry& entry) {
+  constexpr double kHalf = 0.5 * kBlockCells, kCornerSquare = 3 * kHalf * kHalf;
+  double tilt[3] = {0, 0, 0};
+  for (unsigned k = 0; k < 8; ++k) {
+    for (unsigned i = 0; i < 3; ++i) tilt[i] += ((k >> i) & 1 ? 1 : -1) * distance[k] * distance[k] / (8 * kHalf);
+  }
+  for (unsigned i = 0; i < 3; ++i) {
+    entry.tilt[i] = HalfFloat::toward_zero(static_cast<float>(tilt[i]));
+    tilt[i] = static_cast<double>(entry.tilt[i].value());
+  }
+  double level = std::numeric_limits<double>::infinity();
+  for (unsigned k = 0; k < 8; ++k) {
+    double here = distance[k] * distance[k] - kCornerSquare;
+    for (unsigned i = 0; i < 3; ++i) here -= ((k >> i) & 1 ? 1 : -1) * kHalf * tilt[i];
+    level = std::min(level, here);
+  }
+  entry.level = static_cast<float>(level - 1e-6 * (1 + std::fabs(level)));
+}
+
+/// Sets CoarseEntry::level and tilt of every block. `to_jump`: from the middle of a block to the nearest jumping block,
+/// in cells; empty: there is none.
+void set_bounds(FieldParts& parts, const std::vector<float>& to_jump) {
+  const FieldGrid& grid = parts.grid;
+  constexpr double kHalfDiagonal = 0.8661 * kBlockCells, kFarthest = 1e6;  // finite
+  for (int z = 0; z < grid.blocks[2]; ++z) {
+    for (int y = 0; y < grid.blocks[1]; ++y) {
+      for (int x = 0; x < grid.blocks[0]; ++x) {
+        const std::size_t i = grid.block_index(x, y, z);
+        double distance[8], farthest = 0;
+        for (int k = 0; k < 8; ++k) {
+          const auto at = grid.block_corner_index(x + (k & 1), y + ((k >> 1) & 1), z + (k >> 2));
+          distance[k] = std::min(kFarthest, static_cast<double>(parts.distance_m[at]) / grid.voxel_m);
+          farthest = std::max(farthest, distance[k]);
+        }
+        CoarseEntry& entry = parts.coarse[i];
+        set_bound(distance, entry);
+        if (to_jump.empty()) continue;
+        // Not beyond the nearest jumping block. No bound is above its largest corner; this one is `limit` there.
+        double limit = std::max(0.0, static_cast<double>(to_jump[i]) - kHalfDiagonal);
+        if (limit >= farthest) continue;
+        double least_square = static_cast<double>(entry.level);
+        for (const HalfFloat tilt : entry.tilt)
+          least_square -= 0.5 * kBlockCells * std::fabs(static_cast<double>(tilt.value()));
+        limit = std::min(limit, std::sqrt(std::max(0.0, least_square)));
+        entry.tilt = {};
+        entry.level = static_cast<float>(limit * limit - kHalfDiagonal * kHalfDiagonal);
+      }
+    }
   }
 }
 
@@ -240,21 +299,20 @@ void quantise(const FieldGrid& grid, std::span<const float> values_m, FieldBlock
 
 FieldTally finish(FieldParts& parts) {
   TACT_CHECK(parts.coarse.size() == parts.grid.block_count());
-  drop_far_blocks(parts);
+  TACT_CHECK(parts.distance_m.size() == parts.grid.block_corner_count());
   const std::vector<std::uint8_t> jumps = find_jumps(parts);
+  set_own_slopes(parts);
+  drop_far_blocks(parts);
   FieldTally tally;
   tally.stored = parts.blocks.size();
   tally.jumps = static_cast<std::size_t>(std::count(jumps.begin(), jumps.end(), std::uint8_t{1}));
+  spread_slopes(parts, jumps);
+  std::vector<float> to_jump;
   if (tally.jumps > 0) {
-    // Not beyond the nearest jumping block.
-    const std::vector<float> blocks = distance_between_blocks(parts.grid, jumps);
-    const auto block_m = static_cast<float>(kBlockCells * parts.grid.voxel_m);
-    for (std::size_t i = 0; i < parts.coarse.size(); ++i) {
-      const float limit = std::max(0.f, block_m * (blocks[i] - 0.8661f));
-      if (!parts.coarse[i].stored()) parts.coarse[i].promise = std::min(parts.coarse[i].promise, limit);
-    }
+    to_jump = distance_between_blocks(parts.grid, jumps);
+    for (float& blocks : to_jump) blocks = kBlockCells * (blocks - 0.8661f);
   }
-  set_stored_promises(parts, jumps);
+  set_bounds(parts, to_jump);
   for (const CoarseEntry& entry : parts.coarse) tally.doubtful += entry.doubtful() ? 1 : 0;
   return tally;
 }
@@ -263,6 +321,15 @@ FieldParts sample_distance(const FieldGrid& grid, const std::function<double(con
   FieldParts parts;
   parts.grid = grid;
   parts.coarse.resize(grid.block_count());
+  parts.distance_m.resize(grid.block_corner_count());
+  for (int z = 0; z <= grid.blocks[2]; ++z) {
+    for (int y = 0; y <= grid.blocks[1]; ++y) {
+      for (int x = 0; x <= grid.blocks[0]; ++x) {
+        const double d = distance_m(grid.corner_O(kBlockCells * x, kBlockCells * y, kBlockCells * z));
+        parts.distance_m[grid.block_corner_index(x, y, z)] = static_cast<float>(std::fabs(d) * (1 - 1e-6));
+      }
+    }
+  }
   const double reach = grid.range_m() + std::sqrt(3.0) / 2 * kBlockCells * grid.voxel_m;
   std::vector<float> values(kBlockValues);
   for (int z = 0; z < grid.blocks[2]; ++z) {
@@ -270,7 +337,6 @@ FieldParts sample_distance(const FieldGrid& grid, const std::function<double(con
       for (int x = 0; x < grid.blocks[0]; ++x) {
         CoarseEntry& entry = parts.coarse[grid.block_index(x, y, z)];
         const double centre = distance_m(grid.block_centre_O(x, y, z));
-        entry.promise = static_cast<float>(std::fabs(centre) * (1 - 1e-6));
         if (std::fabs(centre) > reach) {
           entry.slot_and_flags = CoarseEntry::kNotStored | (centre < 0 ? CoarseEntry::kInside : 0);
           continue;

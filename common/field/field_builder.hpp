@@ -9,10 +9,13 @@
 
 namespace tact {
 
-/// A field under construction. Whoever fills it sets, for every block, the coarse entry (slot or kNotStored, sign,
-/// doubt, unsigned distance of its centre rounded down) and, for slots, the quantised corners; then calls finish().
+/// A field under construction. Whoever fills it sets the distances of the blocks' corners, for every block the coarse
+/// entry's slot (or kNotStored), sign and doubt, and for slots the quantised corners of cells; then calls finish().
+/// @pre every block that may hold a value within grid.range_m() has a slot: those that the band does not touch are
+/// dropped by finish()
 struct FieldParts {
   FieldGrid grid;
+  std::vector<float> distance_m;    ///< grid.block_corner_count(): to the body's boundary, unsigned, rounded down
   std::vector<CoarseEntry> coarse;  ///< grid.block_count()
   std::vector<FieldBlock> blocks;
 };
@@ -31,7 +34,7 @@ FieldGrid make_grid(const Vec3& min_O, const Vec3& max_O, double voxel_m, double
 /// Clamps and rounds 729 signed distances, x fastest, into a block.
 void quantise(const FieldGrid& grid, std::span<const float> values_m, FieldBlock& block);
 
-/// Drops blocks that the band does not touch, and limits what probe() promises near jumps of the sign.
+/// Drops blocks that the band does not touch, and sets what probe() promises.
 FieldTally finish(FieldParts& parts);
 
 /// Samples a signed distance function (exact, or at least 1-Lipschitz; any thread is the caller's). The body must lie

@@ -16,6 +16,14 @@ namespace tact::contact::test {
   return {f[0], f[1], f[2]};
 }
 
+/// R p + t with the bits of place().
+inline Vec3 placed(const Mat3& R, const Vec3& t, const Eigen::Vector3f& p) {
+  const double x = static_cast<double>(p.x()), y = static_cast<double>(p.y()), z = static_cast<double>(p.z());
+  Vec3 out;
+  for (int i = 0; i < 3; ++i) out[i] = ((R(i, 0) * x + R(i, 1) * y) + R(i, 2) * z) + t[i];
+  return out;
+}
+
 /// Contacts by hand: a flat shell (one level) whose points are all in contact, tool frame = field frame.
 struct ContactSet {
   std::vector<Vec3> r, N, g;

@@ -43,6 +43,23 @@ struct Parts {
   }
 };
 
+/// What a session does: one pose after the other, near the last one, nothing else in between.
+void tick_by_tick(const LoadedScene& scene, Report& report) {
+  const auto poses = with_contacts(scene, poses_tick_by_tick(scene, "cheat"), 75, 130, 5000);
+  const auto pipeline = scene.pipeline();
+  Timings time;
+  double contacts = 0;
+  for (const Pose& X_WM : poses) {
+    const auto query = scene.query(X_WM);
+    std::size_t found = 0;
+    time.add(seconds_of([&] { found = pipeline->step(query).contact_count; }));
+    contacts += static_cast<double>(found) / static_cast<double>(poses.size());
+  }
+  report.table(
+      {"along the cheat, each ms", "poses", "contacts, mean", "tick p50", "p99"},
+      {{"75 to 130", std::to_string(poses.size()), number(contacts), us(time.median()), us(time.percentile(0.99))}});
+}
+
 /// A scene of the paper's size, ticks alone: FCL would take its time.
 void tick_alone(const std::string& name, const Effort& effort, Report& report) {
   const LoadedScene scene = load_scene_by_name(name);
@@ -105,6 +122,7 @@ void bench_contact(const Effort& effort, Report& report) {
   report.table({"contacts", "poses", "mean", "Tact p50", "p99", "FCL contacts", "FCL p50", "p99", "ratio p50", "p99"},
                rows);
   report.table({"of that, p50", "nodes", "traversal", "ns a node", "law", "assemble"}, parts);
+  tick_by_tick(scene, report);
   report.bar("contact tick, about 100 contacts, FCL / Tact at the median", at_100, "x", true, 10);
   if (!effort.quick) tick_alone("engine", effort, report);
 }

@@ -1,21 +1,57 @@
 // How a tick grows with points, voxels and contacts.
+#include <array>
 #include <cmath>
+#include <cstdio>
 
 #include "bench/benchmarks.hpp"
 #include "bench/measure.hpp"
 #include "bench/scene.hpp"
+#include "report/gnuplot.hpp"
 
 namespace tact::bench {
 namespace {
 
-/// Slope of log y over log x by least squares.
-double exponent(const std::vector<std::pair<double, double>>& points) {
-  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
-  for (const auto& [x, y] : points) {
-    const double u = std::log(x), v = std::log(y);
-    n += 1, sx += u, sy += v, sxx += u * u, sxy += u * v;
+/// A tick's time by something, both as logarithms see them: time ~ factor * x^exponent, by least squares.
+struct Growth {
+  std::string what;
+  std::vector<std::array<double, 3>> points;  ///< x, median and 99th percentile in us
+  double exponent = 0, factor = 0;
+
+  void fit() {
+    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+    for (const auto& [x, y, p99] : points) {
+      const double u = std::log(x), v = std::log(y);
+      n += 1, sx += u, sy += v, sxx += u * u, sxy += u * v;
+    }
+    exponent = (n * sxy - sx * sy) / (n * sxx - sx * sx);
+    factor = std::exp((sy - exponent * sx) / n);
   }
-  return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+};
+
+/// One strip each, side by side, both axes logarithmic.
+void draw(const std::vector<Growth>& all, const std::filesystem::path& png) {
+  std::string commands;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    commands += "$g" + std::to_string(k) + " << EOD\n";
+    for (const auto& [x, y, p99] : all[k].points) {
+      commands += number(x) + ' ' + number(y) + ' ' + number(p99) + '\n';
+    }
+    commands += "EOD\n";
+  }
+  commands += "set multiplot layout 1," + std::to_string(all.size()) +
+              " title 'Contact tick, alpha'\nset grid\nset logscale xy\nset offsets graph 0.1, graph 0.1, graph 0.1, "
+              "graph 0.1\nset key top left\n";
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const std::string data = "$g" + std::to_string(k);
+    commands += "set xlabel " + report::Gnuplot::quoted(all[k].what) + "\nset ylabel '" + (k == 0 ? "us" : "") + "'\nplot " +
+                data + " using 1:2 with points pt 7 lc rgb '#2060c0' title 'median', " + data +
+                " using 1:3 with points pt 6 lc rgb '#c03020' title '99th percentile', " +
+                std::to_string(all[k].factor) + " * x**" + std::to_string(all[k].exponent) +
+                " lc rgb '#606060' title 'x^{" + number(all[k].exponent) + "}'\n";
+  }
+  report::Gnuplot gnuplot(png, 1400, 500);
+  std::fputs((commands + "unset multiplot\n").c_str(), gnuplot.in());
+  gnuplot.finish();
 }
 
 struct Tick {
@@ -37,19 +73,22 @@ Tick tick(const LoadedScene& scene, const std::vector<Pose>& poses, std::size_t 
   return t;
 }
 
-void sweep(Report& report, const std::string& what, const std::vector<int>& values,
-           const std::function<void(SceneSpec&, int)>& set, const std::vector<Pose>& poses) {
+Growth sweep(Report& report, const std::string& what, const std::vector<int>& values,
+             const std::function<void(SceneSpec&, int)>& set, const std::vector<Pose>& poses) {
   std::vector<Report::Row> rows;
-  std::vector<std::pair<double, double>> points;
+  Growth growth{what, {}};
   for (const int value : values) {
     const LoadedScene scene = load_scene_by_name("alpha", [&](SceneSpec& spec) { set(spec, value); });
     const Tick t = tick(scene, poses, 10);
-    rows.push_back({std::to_string(value), number(t.contacts), number(1e6 * t.time.median()),
-                    number(1e6 * t.time.percentile(0.99)), number(1e-6 * static_cast<double>(scene.field.bytes()))});
-    points.emplace_back(value, t.time.median());
+    const double p50 = 1e6 * t.time.median(), p99 = 1e6 * t.time.percentile(0.99);
+    rows.push_back({std::to_string(value), number(t.contacts), number(p50), number(p99),
+                    number(1e-6 * static_cast<double>(scene.field.bytes()))});
+    growth.points.push_back({static_cast<double>(value), p50, p99});
   }
   report.table({what, "contacts, mean", "tick p50, us", "p99, us", "field, MB"}, rows);
-  report.say("  tick ~ " + what + "^" + number(exponent(points)));
+  growth.fit();
+  report.say("  tick ~ " + what + "^" + number(growth.exponent));
+  return growth;
 }
 
 }  // namespace
@@ -62,24 +101,33 @@ void bench_growth(const Effort& effort, Report& report) {
   const std::vector<int> points =
       effort.quick ? std::vector{1000, 5000, 25269} : std::vector{1000, 3000, 10000, 25269, 50000, 100000};
   const std::vector<int> cells = effort.quick ? std::vector{128, 256, 512} : std::vector{128, 256, 512, 1024};
-  sweep(
-      report, "points", points, [](SceneSpec& spec, int n) { spec.points = n; }, poses);
-  sweep(
-      report, "voxels along the longest side", cells, [](SceneSpec& spec, int n) { spec.field_resolution = n; }, poses);
+  std::vector<Growth> all;
+  all.push_back(sweep(
+      report, "points", points, [](SceneSpec& spec, int n) { spec.points = n; }, poses));
+  all.push_back(sweep(
+      report, "voxels along the longest side", cells, [](SceneSpec& spec, int n) { spec.field_resolution = n; },
+      poses));
 
   std::vector<Report::Row> rows;
-  std::vector<std::pair<double, double>> by_contacts;
+  Growth by_contacts{"contacts", {}};
   const auto far = poses_along(scene, "cheat", 20000, 0.012, 0.12, 24);
   for (const auto& [fewest, most] : {std::pair{8, 12}, {28, 35}, {90, 110}, {280, 350}, {500, 900}}) {
     const Tick t = tick(
         scene,
         with_contacts(scene, far, static_cast<std::size_t>(fewest), static_cast<std::size_t>(most), effort.scaled(100)),
         10);
-    rows.push_back({number(t.contacts), number(1e6 * t.time.median()), number(1e6 * t.time.percentile(0.99))});
-    by_contacts.emplace_back(t.contacts, t.time.median());
+    const double p50 = 1e6 * t.time.median(), p99 = 1e6 * t.time.percentile(0.99);
+    rows.push_back({number(t.contacts), number(p50), number(p99)});
+    by_contacts.points.push_back({t.contacts, p50, p99});
   }
   report.table({"contacts, mean", "tick p50, us", "p99, us"}, rows);
-  report.say("  tick ~ contacts^" + number(exponent(by_contacts)));
+  by_contacts.fit();
+  report.say("  tick ~ contacts^" + number(by_contacts.exponent));
+  all.push_back(by_contacts);
+  if (!effort.plots.empty()) {
+    draw(all, effort.plots / "growth.png");
+    report.say("  drawn: " + (effort.plots / "growth.png").string());
+  }
 }
 
 }  // namespace tact::bench

@@ -37,11 +37,13 @@ int run_bench(int argc, char** argv) {
   app.add_option("NAME", names, "Benchmarks to run, see below");
   app.add_flag("--quick", effort.quick, "Smaller cases, fewer repetitions");
   app.add_option("--json", json, "Write all tables and bars to this file too");
+  app.add_option("--plot", effort.plots, "Draw what growth found as pictures in this folder")->type_name("DIR");
   app.footer(
       known +
       "Times are medians and 99th percentiles of calls that take turns with the peer's. Exit status 0, or 3 when\n"
       "a bar is missed (it is a measurement: other work on the machine makes it worse).\n"
-      "Examples:\n  tact bench\n  tact bench contact sample --json bench.json\n  tact bench --quick");
+      "Examples:\n  tact bench\n  tact bench contact sample --json bench.json\n  tact bench growth --plot .\n  tact "
+      "bench --quick");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {
@@ -53,6 +55,9 @@ int run_bench(int argc, char** argv) {
     if (std::none_of(std::begin(kBenchmarks), std::end(kBenchmarks), [&](auto& b) { return name == b.name; })) {
       throw tact::SetupError("no benchmark '" + name + "' (tact bench --help lists them)");
     }
+  }
+  if (!effort.plots.empty() && !std::filesystem::is_directory(effort.plots)) {
+    throw tact::SetupError("--plot " + effort.plots.string() + ": no folder of that name: make it first");
   }
   tact::bench::Report report;
   for (const Benchmark& b : kBenchmarks) {

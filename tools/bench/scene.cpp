@@ -65,6 +65,19 @@ std::vector<Pose> poses_along(const LoadedScene& scene, const std::string& scrip
   return poses;
 }
 
+std::vector<Pose> poses_tick_by_tick(const LoadedScene& scene, const std::string& script) {
+  const HandMotion motion = load_hand_motion(scene.spec.scripts.at(script).hand_csv);
+  std::vector<Pose> poses;
+  std::size_t k = 0;  // frame before the tick
+  for (double t = motion.time_s.front(); t <= motion.time_s.back(); t += 1e-3) {
+    while (k + 2 < motion.time_s.size() && motion.time_s[k + 1] <= t) ++k;
+    const double share = (t - motion.time_s[k]) / (motion.time_s[k + 1] - motion.time_s[k]);
+    const Pose &a = motion.X_WM[k], &b = motion.X_WM[k + 1];
+    poses.push_back({a.p + share * (b.p - a.p), a.q.slerp(share, b.q)});
+  }
+  return poses;
+}
+
 std::vector<Pose> with_contacts(const LoadedScene& scene, const std::vector<Pose>& poses, std::size_t fewest,
                                 std::size_t most, std::size_t count, double deepest_m) {
   const auto pipeline = scene.pipeline("none");

@@ -30,6 +30,9 @@ LoadedScene load_scene_by_name(const std::string& name, const std::function<void
 std::vector<Pose> poses_along(const LoadedScene& scene, const std::string& script, std::size_t count, double shift_m,
                               double turn_rad, unsigned seed);
 
+/// The motion of a script, a pose for every tick of a millisecond.
+std::vector<Pose> poses_tick_by_tick(const LoadedScene& scene, const std::string& script);
+
 /// The first `count` of `poses` at which the pipeline finds from `fewest` to `most` contacts, none deeper than
 /// `deepest_m`. Throws SetupError when there is none.
 std::vector<Pose> with_contacts(const LoadedScene& scene, const std::vector<Pose>& poses, std::size_t fewest,

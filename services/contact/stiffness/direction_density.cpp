@@ -2,58 +2,71 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <limits>
 #include <map>
+#include <utility>
 
 #include "contact/stiffness/distinct_directions.hpp"
 
 namespace tact::contact {
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr int kReach = 2;  // a cell has side eps / sqrt 3: eps reaches into the second neighbour
 
 }  // namespace
 
 DirectionDensity::DirectionDensity(std::span<const Vec3> direction_per_point, double epsilon)
     : inverse_eps2_(1.0 / (epsilon * epsilon)), eps2_(epsilon * epsilon) {
-  DistinctDirections distinct = distinct_directions(direction_per_point);
-  class_of_ = std::move(distinct.class_of);
-
+  const DistinctDirections distinct = distinct_directions(direction_per_point);
   const double side = epsilon / std::sqrt(3.0);
   using Key = std::array<int, 3>;
-  std::map<Key, std::uint32_t> cell_at;
-  classes_.reserve(distinct.direction.size());
-  for (const Vec3& v : distinct.direction) {
-    const Eigen::Vector3d f = (v / side).array().floor();
-    const Key key = {static_cast<int>(f.x()), static_cast<int>(f.y()), static_cast<int>(f.z())};
-    const auto [it, is_new] = cell_at.try_emplace(key, static_cast<std::uint32_t>(cells_.size()));
-    if (is_new) cells_.emplace_back().centre = (f.array() + 0.5) * side;
-    classes_.push_back({v, it->second});
+  std::map<Key, std::vector<std::uint32_t>> classes_at;
+  for (std::uint32_t i = 0; i < distinct.direction.size(); ++i) {
+    const Eigen::Vector3d f = (distinct.direction[i] / side).array().floor();
+    classes_at[{static_cast<int>(f.x()), static_cast<int>(f.y()), static_cast<int>(f.z())}].push_back(i);
   }
+  std::map<Key, std::uint32_t> cell_at;
+  std::vector<std::uint32_t> number(distinct.direction.size());
+  for (const auto& [key, members] : classes_at) {
+    const auto cell = static_cast<std::uint32_t>(centre_.size());
+    cell_at[key] = cell;
+    centre_.push_back((Vec3(key[0], key[1], key[2]).array() + 0.5) * side);
+    for (const std::uint32_t i : members) {
+      number[i] = static_cast<std::uint32_t>(direction_.size());
+      direction_.push_back(distinct.direction[i]);
+      cell_of_.push_back(cell);
+    }
+  }
+  for (const std::uint32_t i : distinct.class_of) class_of_.push_back(number[i]);
   for (const auto& [key, index] : cell_at) {
-    Cell& cell = cells_[index];
-    cell.neighbour_begin = static_cast<std::uint32_t>(neighbours_.size());
+    neighbour_begin_.push_back(static_cast<std::uint32_t>(neighbours_.size()));
     for (int dx = -kReach; dx <= kReach; ++dx)
       for (int dy = -kReach; dy <= kReach; ++dy)
         for (int dz = -kReach; dz <= kReach; ++dz) {
           const auto other = cell_at.find({key[0] + dx, key[1] + dy, key[2] + dz});
           if (other != cell_at.end() && other->second > index) neighbours_.push_back(other->second);
         }
-    cell.neighbour_end = static_cast<std::uint32_t>(neighbours_.size());
   }
-  used_.resize(cells_.size());
+  neighbour_begin_.push_back(static_cast<std::uint32_t>(neighbours_.size()));
+  is_used_.resize((direction_.size() + 63) / 64);
+  count_.resize(direction_.size());
+  phi_.resize(direction_.size());
+  used_cell_.resize(centre_.size());
+  classes_.resize(direction_.size());
+  cells_.resize(centre_.size());
 }
 
 void DirectionDensity::add(std::span<const std::uint32_t> ids, std::span<double> phi) noexcept {
   collect(ids);
-  for (std::size_t u = 0; u < used_count_; ++u) {
-    Cell& a = cells_[used_[u]];
+  list_used();
+  for (std::uint32_t u = 0; u < cell_count_; ++u) {
+    const Cell& a = cells_[u];
     add_moments(a, a);
-    for (std::uint32_t n = a.neighbour_begin; n < a.neighbour_end; ++n) {
-      Cell& b = cells_[neighbours_[n]];
-      if (b.tick != tick_) continue;
+    for (std::uint32_t n = neighbour_begin_[a.index]; n < neighbour_begin_[a.index + 1]; ++n) {
+      const std::uint32_t other = used_cell_[neighbours_[n]];
+      if (other >= cell_count_ || cells_[other].index != neighbours_[n]) continue;
+      const Cell& b = cells_[other];
       const Vec3 gap = (a.lo - b.hi).cwiseMax(b.lo - a.hi).cwiseMax(0.0);
       if (gap.squaredNorm() >= eps2_) continue;
       const Vec3 span = (a.hi - b.lo).cwiseMax(b.hi - a.lo);
@@ -65,55 +78,60 @@ void DirectionDensity::add(std::span<const std::uint32_t> ids, std::span<double>
       }
     }
   }
-  for (std::size_t i = 0; i < ids.size(); ++i) phi[i] += classes_[class_of_[ids[i]]].phi;
+  for (std::size_t k = 0; k < class_count_; ++k) phi_[classes_[k].index] = classes_[k].phi;
+  for (std::size_t i = 0; i < ids.size(); ++i) phi[i] += phi_[class_of_[ids[i]]];
 }
 
-/// Lists the classes and cells that the ids touch, with their counts, boxes and moments.
+/// Counts the points of each class.
 void DirectionDensity::collect(std::span<const std::uint32_t> ids) noexcept {
-  ++tick_;
-  used_count_ = 0;
   for (const std::uint32_t id : ids) {
-    const std::uint32_t class_index = class_of_[id];
-    Class& c = classes_[class_index];
-    Cell& cell = cells_[c.cell];
-    if (c.tick != tick_) {
-      if (cell.tick != tick_) {
-        cell.tick = tick_;
-        cell.lo = cell.hi = c.v;
-        cell.sum_b.setZero();
-        cell.count = cell.sum_b2 = 0;
-        cell.first = kNone;
-        used_[used_count_++] = c.cell;
+    const std::uint32_t c = class_of_[id];
+    ++count_[c];
+    is_used_[c / 64] |= std::uint64_t{1} << (c % 64);
+  }
+}
+
+/// Lists the counted classes and their cells, with boxes and moments; the counts are 0 again.
+void DirectionDensity::list_used() noexcept {
+  class_count_ = cell_count_ = 0;
+  for (std::size_t w = 0; w < is_used_.size(); ++w) {
+    for (std::uint64_t bits = std::exchange(is_used_[w], 0); bits != 0; bits &= bits - 1) {
+      const auto c = static_cast<std::uint32_t>(64 * w) + static_cast<std::uint32_t>(std::countr_zero(bits));
+      const Vec3& v = direction_[c];
+      const std::uint32_t index = cell_of_[c];
+      if (cell_count_ == 0 || cells_[cell_count_ - 1].index != index) {
+        const auto begin = static_cast<std::uint32_t>(class_count_);
+        used_cell_[index] = static_cast<std::uint32_t>(cell_count_);
+        cells_[cell_count_++] = {centre_[index], v, v, Vec3::Zero(), 0, 0, index, begin, begin};
       }
-      c.tick = tick_;
-      c.count = c.phi = 0;
-      c.next = cell.first;
-      cell.first = class_index;
-      cell.lo = cell.lo.cwiseMin(c.v);
-      cell.hi = cell.hi.cwiseMax(c.v);
+      Cell& cell = cells_[cell_count_ - 1];
+      const double count = std::exchange(count_[c], 0);
+      const Vec3 b = v - cell.centre;
+      cell.lo = cell.lo.cwiseMin(v);
+      cell.hi = cell.hi.cwiseMax(v);
+      cell.count += count;
+      cell.sum_b += count * b;
+      cell.sum_b2 += count * b.squaredNorm();
+      ++cell.end;
+      classes_[class_count_++] = {v, count, 0, c};
     }
-    const Vec3 b = c.v - cell.centre;
-    c.count += 1;
-    cell.count += 1;
-    cell.sum_b += b;
-    cell.sum_b2 += b.squaredNorm();
   }
 }
 
 /// sum_j (1 - |a - b_j|^2 / eps^2) for every class a of `to`, over all b_j of `from`.
-void DirectionDensity::add_moments(Cell& from, Cell& to) noexcept {
-  for (std::uint32_t i = to.first; i != kNone; i = classes_[i].next) {
+void DirectionDensity::add_moments(const Cell& from, const Cell& to) noexcept {
+  for (std::uint32_t i = to.begin; i < to.end; ++i) {
     const Vec3 a = classes_[i].v - from.centre;
     const double sum_d2 = from.count * a.squaredNorm() - 2 * a.dot(from.sum_b) + from.sum_b2;
     classes_[i].phi += from.count - sum_d2 * inverse_eps2_;
   }
 }
 
-void DirectionDensity::add_pairs(Cell& a, Cell& b) noexcept {
-  for (std::uint32_t i = a.first; i != kNone; i = classes_[i].next) {
+void DirectionDensity::add_pairs(const Cell& a, const Cell& b) noexcept {
+  for (std::uint32_t i = a.begin; i < a.end; ++i) {
     Class& ci = classes_[i];
     double phi = 0;
-    for (std::uint32_t j = b.first; j != kNone; j = classes_[j].next) {
+    for (std::uint32_t j = b.begin; j < b.end; ++j) {
       Class& cj = classes_[j];
       const double hat = std::max(1.0 - (ci.v - cj.v).squaredNorm() * inverse_eps2_, 0.0);
       phi += hat * cj.count;

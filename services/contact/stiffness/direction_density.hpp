@@ -15,6 +15,8 @@ namespace tact::contact {
 /// - within a cell, and between cells whose occupied boxes lie within eps of each other everywhere, hat is a quadratic
 ///   and the sum follows from moments (count, sum b, sum |b|^2);
 /// - boxes at least eps apart contribute nothing; only pairs across a border are visited one by one, once per class.
+/// Classes are numbered by cell, and those in use are listed in that order, side by side: memory is read forward,
+/// whatever the order of the ids. One bit a class of the whole shell is looked at (64 in a nanosecond).
 /// Vectors need not have unit length, but |v| <= 1.
 class DirectionDensity {
  public:
@@ -24,35 +26,38 @@ class DirectionDensity {
   void add(std::span<const std::uint32_t> ids, std::span<double> phi) noexcept;
 
  private:
-  struct Class {
+  struct Class {  // in use
     Vec3 v;
-    std::uint32_t cell;
-    std::uint32_t next = 0;
-    std::uint64_t tick = 0;  // of its last use: nothing needs clearing
-    double count = 0, phi = 0;
+    double count, phi;
+    std::uint32_t index;
   };
-  struct Cell {
-    Vec3 centre;
-    // Of the directions now in use; b = v - centre.
-    Vec3 lo = Vec3::Zero(), hi = Vec3::Zero(), sum_b = Vec3::Zero();
-    double count = 0, sum_b2 = 0;
-    std::uint64_t tick = 0;
-    std::uint32_t first = 0;  // list of classes in use
-    std::uint32_t neighbour_begin = 0, neighbour_end = 0;
+  struct Cell {                  // in use: its classes [begin, end) of used_class_
+    Vec3 centre, lo, hi, sum_b;  // b = v - centre
+    double count, sum_b2;
+    std::uint32_t index, begin, end;
   };
 
   void collect(std::span<const std::uint32_t> ids) noexcept;
-  void add_moments(Cell& from, Cell& to) noexcept;
-  void add_pairs(Cell& a, Cell& b) noexcept;
+  void list_used() noexcept;
+  void add_moments(const Cell& from, const Cell& to) noexcept;
+  void add_pairs(const Cell& a, const Cell& b) noexcept;
 
   double inverse_eps2_, eps2_;
-  std::vector<std::uint32_t> class_of_;
+  // Of the shell. Cells in order of their place, classes in order of their cells.
+  std::vector<std::uint32_t> class_of_;         // point -> class
+  std::vector<Vec3> direction_;                 // class
+  std::vector<std::uint32_t> cell_of_;          // class -> cell
+  std::vector<Vec3> centre_;                    // cell
+  std::vector<std::uint32_t> neighbour_begin_;  // cell; one more
+  std::vector<std::uint32_t> neighbours_;       // cells of larger index that may lie within eps
+  // Of one add().
+  std::vector<std::uint64_t> is_used_;    // class, a bit each; all 0 in between
+  std::vector<std::uint32_t> count_;      // class; all 0 in between
+  std::vector<double> phi_;               // class, where used
+  std::vector<std::uint32_t> used_cell_;  // cell -> index in cells_; of no meaning when that is another's
   std::vector<Class> classes_;
   std::vector<Cell> cells_;
-  std::vector<std::uint32_t> neighbours_;  // cells of larger index that may lie within eps
-  std::vector<std::uint32_t> used_;
-  std::size_t used_count_ = 0;
-  std::uint64_t tick_ = 0;
+  std::size_t class_count_ = 0, cell_count_ = 0;
 };
 
 }  // namespace tact::contact

@@ -57,21 +57,24 @@ HWY_INLINE void scatter(const PotentialSupports& supports, PotentialWorkspace& w
   }
 }
 
+/// A^(1/p). @pre A > 0
+HWY_INLINE V root(int p, V A) {
+  const D d;
+  if ((p & (p - 1)) != 0) return hn::Exp(d, hn::Mul(hn::Set(d, 1.0 / p), hn::Log(d, A)));
+  for (; p > 1; p /= 2) A = hn::Sqrt(A);
+  return A;
+}
+
 /// scale = A^(1/p - 1), slope = A^(2/p - 1), both 0 where A is.
 HWY_INLINE void powers_of_a(int p, PotentialWorkspace& work) {
   const D d;
-  // Below this, A^(1/p - 1) times a moment could overflow.
-  const V smallest = hn::Set(d, 1e-290), inverse_p = hn::Set(d, 1.0 / p);
-  const V less_p = hn::Set(d, 1.0 / p - 1);
-  const std::size_t count = work.a.size();
+  const V smallest = hn::Set(d, 1e-290);  // below this, A^(1/p - 1) times a moment could overflow
   for (std::size_t u = 0; u < work.own.size(); ++u) work.a[u] = work.own[u].v[0];
-  for (std::size_t u = 0; u < count; u += hn::Lanes(d)) {
-    const V A = hn::LoadU(d, work.a.data() + u);
-    const V log_A = hn::Log(d, hn::Max(A, smallest));
-    const V root = hn::Exp(d, hn::Mul(inverse_p, log_A));
-    const V scale = hn::IfThenElseZero(hn::Gt(A, smallest), hn::Exp(d, hn::Mul(less_p, log_A)));
+  for (std::size_t u = 0; u < work.a.size(); u += hn::Lanes(d)) {
+    const V A = hn::LoadU(d, work.a.data() + u), some = hn::Max(A, smallest), power = root(p, some);
+    const V scale = hn::IfThenElseZero(hn::Gt(A, smallest), hn::Div(power, some));
     hn::StoreU(scale, d, work.scale.data() + u);
-    hn::StoreU(hn::Mul(scale, root), d, work.slope.data() + u);
+    hn::StoreU(hn::Mul(scale, power), d, work.slope.data() + u);
   }
 }
 

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "contact/traversal/place.hpp"
-
 namespace tact::contact {
 namespace {
 
@@ -16,7 +14,18 @@ constexpr std::size_t kChunk = 64;
 /// Children queued at once; what is written too much is overwritten by the next.
 constexpr std::uint32_t kAppend = 8;
 
-std::size_t whole_vectors(std::size_t n) { return (n + 7) / 8 * 8; }
+/// A chunk of nodes, made whole vectors: behind the last one itself again.
+struct Chunk {
+  alignas(64) Node node[kChunk];
+  alignas(64) double x[kChunk], y[kChunk], z[kChunk], radius[kChunk];
+  std::size_t padded;
+
+  void place(const Mat3& R, const Vec3& t, std::size_t count) noexcept {
+    for (padded = count; padded % 8 != 0; ++padded) node[padded] = node[padded - 1];
+    tact::contact::place(R, t, node, padded, {x, y, z, radius});
+  }
+  DistanceField::Points points() const noexcept { return {x, y, z, padded}; }
+};
 
 }  // namespace
 
@@ -30,23 +39,28 @@ Traversal::Traversal(DistanceField field, std::shared_ptr<const Pointshell> shel
     last_top = top_size_;
     top_size_ = end;
   }
+  std::uint32_t leaves = 0;  // nothing from here on has children
   nodes_.reserve(shell_->size() + kAppend);
-  for (std::size_t i = 0; i < shell_->size(); ++i) {
+  for (std::uint32_t i = 0; i < shell_->size(); ++i) {
     const Eigen::Vector3f& p = shell_->position_T[i];
+    nodes_.push_back({p.x(), p.y(), p.z(), shell_->radius_m[i]});
+    if (i >= last_top && shell_->child_begin[i] < shell_->child_end[i]) leaves = i + 1;
+  }
+  for (std::uint32_t i = 0; i < leaves; ++i) {
     const std::uint32_t begin = shell_->child_begin[i], end = shell_->child_end[i];
-    nodes_.push_back({p.x(), p.y(), p.z(), shell_->radius_m[i], begin, i >= last_top && begin < end ? end - begin : 0});
+    families_.push_back({begin, i >= last_top && begin < end ? end - begin : 0});
   }
   nodes_.resize(shell_->size() + kAppend);  // prefetched
   level_.id.resize(shell_->size() + kAppend);
   next_level_.id.resize(shell_->size() + kAppend);
 }
 
-void Traversal::append(std::uint32_t begin, std::uint32_t count, Queue& to) const noexcept {
+void Traversal::append(Family family, Queue& to) const noexcept {
   std::uint32_t* out = to.id.data() + to.size;
-  to.size += count;
-  for (std::uint32_t k = 0; k < count; k += kAppend) {  // once, but for large families
-    for (std::uint32_t j = 0; j < kAppend; ++j) out[k + j] = begin + k + j;
-    for (std::uint32_t j = 0; j < kAppend; j += 2) __builtin_prefetch(nodes_.data() + begin + k + j);
+  to.size += family.count;
+  for (std::uint32_t k = 0; k < family.count; k += kAppend) {  // once, but for large families
+    for (std::uint32_t j = 0; j < kAppend; ++j) out[k + j] = family.begin + k + j;
+    for (std::uint32_t j = 0; j < kAppend; j += 4) __builtin_prefetch(nodes_.data() + family.begin + k + j);
   }
 }
 
@@ -77,7 +91,7 @@ void Traversal::search(const Mat3& R_OT, const Vec3& p_OT, bool want_clearance, 
   double clearance = want_clearance ? std::numeric_limits<double>::infinity() : 0;
   candidate_count_ = 0;
   level_.size = 0;
-  append(0, top_size_, level_);
+  append({0, top_size_}, level_);
   while (level_.size > 0) {
     next_level_.size = 0;
     found.nodes_visited += level_.size;
@@ -92,50 +106,46 @@ void Traversal::search(const Mat3& R_OT, const Vec3& p_OT, bool want_clearance, 
 
 void Traversal::visit(std::span<const std::uint32_t> ids, const Mat3& R_OT, const Vec3& p_OT, Queue& next,
                       double& clearance) noexcept {
-  float x_T[kChunk], y_T[kChunk], z_T[kChunk], radii[kChunk];
-  bool has_children[kChunk];
-  double x[kChunk], y[kChunk], z[kChunk], value[kChunk], promise[kChunk];
-  const std::size_t padded = whole_vectors(ids.size());
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    const Node& node = nodes_[ids[i]];
-    x_T[i] = node.x;
-    y_T[i] = node.y;
-    z_T[i] = node.z;
-    radii[i] = node.radius;
-    has_children[i] = node.child_count > 0;
-  }
-  for (std::size_t i = ids.size(); i < padded; ++i) {  // whole vectors: the last one again
-    x_T[i] = x_T[i - 1];
-    y_T[i] = y_T[i - 1];
-    z_T[i] = z_T[i - 1];
-  }
-  place(R_OT, p_OT, x_T, y_T, z_T, padded, x, y, z);
-  field_.probe({x, y, z, padded}, value, promise);
+  Chunk chunk;
+  double enough[kChunk], value[kChunk], promise[kChunk];
+  const std::size_t count = ids.size();
+  const Node* nodes = nodes_.data();
+  for (std::size_t i = 0; i < count; ++i) chunk.node[i] = nodes[ids[i]];
+  chunk.place(R_OT, p_OT, count);
 
   // While the clearance may still exceed half a voxel (below that nobody needs it), go a little deeper than contacts
-  // demand: a skipped subtree then tells its clearance within a factor of two.
-  const double enough = clearance > 0.5 * field_.voxel_m() ? 2 : 1;
-  std::uint32_t open[kChunk];  // nodes to go deeper at
-  std::size_t open_count = 0;
-  const std::size_t first_new = candidate_count_;
-  double least = clearance;
-  for (std::size_t i = 0; i < ids.size(); ++i) {  // without branches that depend on where nodes lie
-    const double radius = kRadiusSlack * static_cast<double>(radii[i]);
-    const int skip = promise[i] > enough * radius;
-    const double free = promise[i] - skip * radius;
-    least = free < least ? free : least;
-    candidates_[candidate_count_] = {-value[i], ids[i]};
-    candidate_count_ += value[i] < 0 ? 1 : 0;
-    open[open_count] = ids[i];
-    open_count += static_cast<std::size_t>((1 - skip) & static_cast<int>(has_children[i]));
+  // demand: a skipped subtree then tells its clearance within a factor of two, a point within that of the field.
+  const bool search_clearance = clearance > 0.5 * field_.voxel_m();
+  const double factor = (search_clearance ? 2 : 1) * kRadiusSlack, more = search_clearance ? field_.band_m() : 0;
+  for (std::size_t i = 0; i < chunk.padded; ++i) enough[i] = factor * chunk.radius[i] + more;
+  field_.probe(chunk.points(), enough, value, promise);
+
+  // Without branches that depend on where nodes lie.
+  Candidate* found = candidates_.data() + candidate_count_;
+  for (std::size_t i = 0; i < count; ++i) {
+    *found = {-value[i], ids[i]};
+    found += value[i] < 0 ? 1 : 0;
   }
-  clearance = least;
-  for (std::size_t k = first_new; k < candidate_count_; ++k) {
-    __builtin_prefetch(&shell_->position_T[candidates_[k].id]);
-    __builtin_prefetch(&shell_->normal_T[candidates_[k].id]);
+  for (const Candidate* c = candidates_.data() + candidate_count_; c < found; ++c) {
+    __builtin_prefetch(&shell_->normal_T[c->id]);
+  }
+  candidate_count_ = static_cast<std::size_t>(found - candidates_.data());
+  if (clearance > 0) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const bool skip = promise[i] > factor * chunk.radius[i];
+      const double free = promise[i] - (skip ? kRadiusSlack * chunk.radius[i] : 0.0);
+      clearance = free < clearance ? free : clearance;
+    }
+  }
+  if (ids.front() >= families_.size()) return;  // leaves
+  std::uint32_t open[kChunk];                   // nodes to go deeper at
+  std::size_t open_count = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    open[open_count] = ids[i];
+    open_count += promise[i] > factor * chunk.radius[i] ? 0 : 1;
   }
   for (std::size_t k = 0; k < open_count; ++k) {
-    append(nodes_[open[k]].child_begin, nodes_[open[k]].child_count, next);
+    if (open[k] < families_.size()) append(families_[open[k]], next);
   }
 }
 
@@ -157,19 +167,23 @@ void Traversal::fill(const Mat3& R_OT, const Vec3& p_OT, ContactBuffer& contacts
   contacts.size = candidate_count_;
   for (std::size_t begin = 0; begin < candidate_count_; begin += kChunk) {
     const std::size_t count = std::min(kChunk, candidate_count_ - begin);
-    double x[kChunk], y[kChunk], z[kChunk], value[kChunk], gx[kChunk], gy[kChunk], gz[kChunk];
+    Chunk r, N;
+    double value[kChunk], gx[kChunk], gy[kChunk], gz[kChunk];
     std::uint8_t in_field[kChunk];
     for (std::size_t k = 0; k < count; ++k) {
       const std::uint32_t i = candidates_[begin + k].id;
-      const Vec3 r = R_OT * shell_->position_T[i].cast<double>();
-      const Vec3 p = r + p_OT;
-      x[k] = p.x(), y[k] = p.y(), z[k] = p.z();
-      contacts.r[begin + k] = r;
-      contacts.N[begin + k] = R_OT * shell_->normal_T[i].cast<double>();
+      const Eigen::Vector3f& n = shell_->normal_T[i];
+      r.node[k] = nodes_[i];
+      N.node[k] = {n.x(), n.y(), n.z(), 0};
     }
-    const std::size_t padded = whole_vectors(count);
-    for (std::size_t k = count; k < padded; ++k) x[k] = x[k - 1], y[k] = y[k - 1], z[k] = z[k - 1];
-    field_.sample({x, y, z, padded}, {value, gx, gy, gz, in_field});
+    r.place(R_OT, Vec3::Zero(), count);
+    N.place(R_OT, Vec3::Zero(), count);
+    for (std::size_t k = 0; k < count; ++k) {
+      contacts.r[begin + k] = {r.x[k], r.y[k], r.z[k]};
+      contacts.N[begin + k] = {N.x[k], N.y[k], N.z[k]};
+    }
+    for (std::size_t k = 0; k < r.padded; ++k) r.x[k] += p_OT.x(), r.y[k] += p_OT.y(), r.z[k] += p_OT.z();
+    field_.sample(r.points(), {value, gx, gy, gz, in_field});
     for (std::size_t k = 0; k < count; ++k) {
       const Vec3 g(gx[k], gy[k], gz[k]);
       const double along = g.dot(contacts.N[begin + k]);

@@ -6,6 +6,7 @@
 
 #include "contact/model/contact.hpp"
 #include "contact/model/pointshell.hpp"
+#include "contact/traversal/place.hpp"
 #include "field/distance_field.hpp"
 
 namespace tact::contact {
@@ -25,9 +26,10 @@ bool is_rigid(const Pose& X) noexcept;
 
 /// Finds the shell points inside the field: breadth-first over all levels, always completed. A subtree is skipped only
 /// when the field promises that no sample in its sphere is negative (DistanceField::probe), so the contacts are
-/// exactly those of brute force over all points: { i : sample(X_OT p_i).value_m < 0 }, in ascending order of id.
+/// exactly those of brute force over all points: { i : sample(X_OT p_i).value_m < 0 }, points placed by place(), in
+/// ascending order of id.
 ///
-/// All scratch is allocated here (56 bytes a point); find() does not allocate, lock or throw. Cost: one block look-up
+/// All scratch is allocated here (48 bytes a point); find() does not allocate, lock or throw. Cost: one block look-up
 /// for each node visited, a few ns: nodes of a level are taken many at a time (README).
 class Traversal {
  public:
@@ -49,11 +51,9 @@ class Traversal {
     double depth_m;
     std::uint32_t id;
   };
-  /// All that a visit reads of a node: half a cache line, children side by side. Nodes that are taken together with
-  /// their children have none.
-  struct alignas(32) Node {
-    float x, y, z, radius;  ///< T, m
-    std::uint32_t child_begin, child_count;
+  /// Children side by side. Nodes that are taken together with their children have none.
+  struct Family {
+    std::uint32_t begin, count;
   };
   /// Nodes of a level that are to be visited, ascending.
   struct Queue {
@@ -62,7 +62,7 @@ class Traversal {
   };
 
   void search(const Mat3& R_OT, const Vec3& p_OT, bool want_clearance, Findings& found) noexcept;
-  void append(std::uint32_t begin, std::uint32_t count, Queue& to) const noexcept;
+  void append(Family family, Queue& to) const noexcept;
   void visit(std::span<const std::uint32_t> ids, const Mat3& R_OT, const Vec3& p_OT, Queue& next,
              double& clearance) noexcept;
   void keep_deepest(ContactBuffer& contacts, Findings& found) noexcept;
@@ -71,6 +71,7 @@ class Traversal {
   DistanceField field_;
   std::shared_ptr<const Pointshell> shell_;
   std::vector<Node> nodes_;
+  std::vector<Family> families_;  ///< of the nodes before the leaves
   Queue level_, next_level_;
   std::vector<Candidate> candidates_;
   std::size_t candidate_count_ = 0;

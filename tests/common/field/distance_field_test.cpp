@@ -171,6 +171,25 @@ TEST(DistanceField, LowerBoundIsNeverAboveTheDistance) {
   }
 }
 
+/// Before a plane the bound of a block loses what |v|^2 differs between the block's corners and the point: at most 32
+/// squared cells across the plane's normal. Tilts are stored with 8 bits.
+TEST(DistanceField, FarFromAPlaneTheLowerBoundLosesLittle) {
+  const double h = 0.002;
+  const DistanceField field =
+      build_field(Vec3::Constant(-0.1), Vec3::Constant(0.1), h, [](const Vec3& p) { return p.z() + 0.09; });
+  std::mt19937 random(12);
+  double least = 1e9;
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 p = random_in(random, field.min_O(), field.max_O());
+    const double d = (p.z() + 0.09) / h, bound = field.lower_bound(p) / h;
+    if (d < 20) continue;
+    EXPECT_LE(bound, d);
+    EXPECT_GE(bound, std::sqrt(d * d - 32) - 0.1);
+    least = std::min(least, d - bound);
+  }
+  EXPECT_LT(least, 0.1);
+}
+
 /// The promise a traversal relies on, against brute force: no negative sample within clearance of p.
 void expect_clearance_holds(const DistanceField& field, int seed) {
   std::mt19937 random(static_cast<unsigned>(seed));
@@ -186,6 +205,14 @@ void expect_clearance_holds(const DistanceField& field, int seed) {
     const Vec3 p = random_in(random, centre - grow * half, centre + grow * half);
     const auto probe = field.probe(p);
     EXPECT_EQ(probe.value_m, field.sample(p).value_m);
+    // Asked for enough: the same, or a smaller promise that is enough.
+    const double enough = 0.002 * (i % 10);
+    const auto quick = field.probe(p, enough);
+    if (quick.clearance_m != probe.clearance_m) {
+      EXPECT_GT(quick.clearance_m, enough);
+      EXPECT_LT(quick.clearance_m, probe.clearance_m);
+      EXPECT_GE(probe.value_m, 0);
+    }
     for (const Vec3& q : negative) ASSERT_GE((p - q).norm(), probe.clearance_m);
   }
 }
@@ -239,6 +266,7 @@ TEST(DistanceField, ManyPointsAtOnceGetTheSameBitsAsOneByOne) {
   // A sound body, and one whose sign jumps and is doubtful: stored, far, inside and outside the grid, not finite.
   const auto jumping = [](const Vec3& p) { return (p.x() > 0.013 ? -1 : 1) * std::fabs(p.norm() - 0.04); };
   const Vec3 box = Vec3::Constant(0.05);
+  int cut_short = 0;
   for (const DistanceField& field : {build_field(-box, box, 0.001, [](const Vec3& p) { return p.norm() - 0.04; }),
                                      build_field(-box, box, 0.0013, jumping, 3)}) {
     for (const std::size_t n : {0u, 1u, 7u, 8u, 63u, 64u, 65u, 130u, 2000u}) {
@@ -258,6 +286,15 @@ TEST(DistanceField, ManyPointsAtOnceGetTheSameBitsAsOneByOne) {
         ASSERT_EQ(value[i], one.value_m);
         ASSERT_EQ(clearance[i], one.clearance_m);
       }
+      std::vector<double> enough(n);
+      for (std::size_t i = 0; i < n; ++i) enough[i] = 0.001 * static_cast<double>(i % 8);
+      field.probe(points, enough.data(), value.data(), clearance.data());
+      for (std::size_t i = 0; i < n; ++i) {
+        const auto one = field.probe(Vec3(x[i], y[i], z[i]), enough[i]);
+        ASSERT_EQ(value[i], one.value_m);
+        ASSERT_EQ(clearance[i], one.clearance_m);
+        cut_short += one.clearance_m != field.probe(Vec3(x[i], y[i], z[i])).clearance_m;
+      }
       field.sample(points, {value.data(), gx.data(), gy.data(), gz.data(), flags.data()});
       for (std::size_t i = 0; i < n; ++i) {
         const auto one = field.sample(Vec3(x[i], y[i], z[i]));
@@ -268,6 +305,7 @@ TEST(DistanceField, ManyPointsAtOnceGetTheSameBitsAsOneByOne) {
       }
     }
   }
+  EXPECT_GT(cut_short, 10);
 }
 
 TEST(DistanceField, PointsThatAreNotFiniteAreOutside) {

@@ -5,6 +5,7 @@
 #include "contact/bake/test_meshes.hpp"
 #include "contact/bake/worker/field_bake.hpp"
 #include "contact/bake/worker/shell_bake.hpp"
+#include "contact/contact_set.hpp"
 #include "contact/traversal/traversal.hpp"
 #include "math/exp_log.hpp"
 
@@ -43,7 +44,7 @@ TEST(Traversal, EqualsBruteForceOnBakedFieldsAndShells) {
         const Mat3 R = X_OT.q.normalized().toRotationMatrix();
         std::size_t k = 0;
         for (std::uint32_t i = 0; i < s->size(); ++i) {
-          const double value = f.sample(R * s->position_T[i].cast<double>() + X_OT.p).value_m;
+          const double value = f.sample(test::placed(R, X_OT.p, s->position_T[i])).value_m;
           if (value >= 0) continue;
           ASSERT_LT(k, contacts.size);
           ASSERT_EQ(contacts.point_id[k], i);

@@ -39,8 +39,7 @@ std::map<std::uint32_t, double> brute_force(const DistanceField& field, const Po
   std::map<std::uint32_t, double> out;
   const Mat3 R = X_OT.q.normalized().toRotationMatrix();
   for (std::uint32_t i = 0; i < shell.size(); ++i) {
-    const Vec3 p = R * shell.position_T[i].cast<double>() + X_OT.p;
-    const double value = field.sample(p).value_m;
+    const double value = field.sample(test::placed(R, X_OT.p, shell.position_T[i])).value_m;
     if (value < 0) out[i] = -value;
   }
   return out;

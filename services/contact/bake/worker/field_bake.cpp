@@ -27,29 +27,53 @@ Box box_of(const Mesh& mesh) {
   return box;
 }
 
-/// Distance of every block's centre; decides which blocks are stored. Rows in parallel: along a row the last distance
+/// Distance to the boundary of the body from any place, and whether that is inside a plate.
+struct Nearest {
+  double solid = kInfinity, sheet = kInfinity;  ///< of the last place, or an upper bound
+
+  double move(const SplitSoup& split, const Vec3& p, double step_m) {
+    solid = split.solid.distance(p, solid + 1.001 * step_m);
+    sheet = split.sheets.distance(p, sheet + 1.001 * step_m);
+    return std::min(solid, std::fabs(sheet - split.half_thickness_m));
+  }
+  bool in_plate(const SplitSoup& split) const { return sheet < split.half_thickness_m; }
+};
+
+/// Distances of the blocks' corners; decides which blocks are stored. Rows in parallel: along a row the last distance
 /// bounds the next.
 void coarse_distances(FieldParts& parts, const SplitSoup& split, const StageProgress& progress) {
   const FieldGrid& grid = parts.grid;
   const double block_m = kBlockCells * grid.voxel_m, half_diagonal = std::sqrt(3.0) / 2 * block_m;
   const double reach = grid.range_m() + half_diagonal;
   const int nx = grid.blocks[0], ny = grid.blocks[1], nz = grid.blocks[2];
-  std::vector<std::uint8_t> stored(grid.block_count(), 0);
-  parallel_stage("far field", static_cast<std::size_t>(ny) * static_cast<std::size_t>(nz), progress,
+  std::vector<std::uint8_t> in_plate(grid.block_corner_count(), 0), stored(grid.block_count(), 0);
+  parallel_stage("far field", static_cast<std::size_t>(ny + 1) * static_cast<std::size_t>(nz + 1), progress,
+                 [&](std::size_t row) {
+                   const int y = static_cast<int>(row) % (ny + 1), z = static_cast<int>(row) / (ny + 1);
+                   Nearest nearest;
+                   for (int x = 0; x <= nx; ++x) {
+                     const std::size_t i = grid.block_corner_index(x, y, z);
+                     const Vec3 corner = grid.corner_O(kBlockCells * x, kBlockCells * y, kBlockCells * z);
+                     parts.distance_m[i] = static_cast<float>(nearest.move(split, corner, block_m) * (1 - 1e-6));
+                     in_plate[i] = nearest.in_plate(split);
+                   }
+                 });
+  parallel_stage("near field", static_cast<std::size_t>(ny) * static_cast<std::size_t>(nz), progress,
                  [&](std::size_t row) {
                    const int y = static_cast<int>(row) % ny, z = static_cast<int>(row) / ny;
-                   double solid = kInfinity, sheet = kInfinity;
                    for (int x = 0; x < nx; ++x) {
-                     const Vec3 centre = grid.block_centre_O(x, y, z);
+                     float least = std::numeric_limits<float>::infinity();
+                     for (int k = 0; k < 8; ++k) {
+                       const int at[3] = {x + (k & 1), y + ((k >> 1) & 1), z + (k >> 2)};
+                       least = std::min(least, parts.distance_m[grid.block_corner_index(at[0], at[1], at[2])]);
+                     }
                      const std::size_t i = grid.block_index(x, y, z);
-                     solid = split.solid.distance(centre, solid + 1.001 * block_m);
-                     sheet = split.sheets.distance(centre, sheet + 1.001 * block_m);
-                     const double plate = sheet - split.half_thickness_m;
-                     const double d = std::min(solid, std::fabs(plate));
                      CoarseEntry& entry = parts.coarse[i];
-                     entry.promise = static_cast<float>(d * (1 - 1e-6));
-                     if (plate < 0) entry.slot_and_flags |= CoarseEntry::kInside;  // of a thick plate
-                     stored[i] = d <= reach;
+                     if (in_plate[grid.block_corner_index(x, y, z)]) entry.slot_and_flags |= CoarseEntry::kInside;
+                     // Every place of a block is within half a diagonal of a corner, and of the centre.
+                     if (static_cast<double>(least) > reach) continue;
+                     Nearest nearest{1.001 * reach, 1.001 * reach + split.half_thickness_m};
+                     stored[i] = nearest.move(split, grid.block_centre_O(x, y, z), 0) <= reach;
                    }
                  });
   std::size_t slots = 0;
@@ -114,6 +138,7 @@ FieldParts bake_field(const Soup& soup, const FieldOptions& options, const Stage
   parts.grid = make_grid(box.low - margin, box.high + margin, (box.high - box.low).maxCoeff() / options.resolution,
                          options.band_voxels);
   parts.coarse.resize(parts.grid.block_count());
+  parts.distance_m.resize(parts.grid.block_corner_count());
 
   coarse_distances(parts, split, progress);
   solid_distances(parts, split, progress);
