@@ -6,13 +6,14 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <system_error>
+#include <vector>
 
 #include "fault/fault.hpp"
+#include "file/whole_file.hpp"
 
 namespace tact {
 namespace {
@@ -63,20 +64,6 @@ struct Checksum {
   void add(const void* data, std::size_t bytes) { XXH3_64bits_update(state, data, bytes); }
   std::uint64_t digest() const { return XXH3_64bits_digest(state); }
 };
-
-void write_all(int fd, const void* data, std::size_t bytes, const std::filesystem::path& path) {
-  const char* at = static_cast<const char*>(data);
-  while (bytes > 0) {
-    const ssize_t n = ::write(fd, at, std::min<std::size_t>(bytes, 1u << 30));
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) {
-      refuse(path,
-             "cannot write: " + reason(n < 0 ? errno : ENOSPC) + ": free some space or choose another cache folder");
-    }
-    at += n;
-    bytes -= static_cast<std::size_t>(n);
-  }
-}
 
 }  // namespace
 
@@ -143,18 +130,9 @@ void write_sealed(const std::filesystem::path& path, const SealedKind& kind, std
   for (const auto& part : parts) checksum.add(part.data(), part.size());
   header.checksum = checksum.digest();
 
-  std::string temporary = path.string() + ".XXXXXX";
-  const Descriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
-  if (file.fd < 0) refuse(path, "cannot create: " + reason(errno));
-  try {
-    write_all(file.fd, &header, sizeof(header), path);
-    for (const auto& part : parts) write_all(file.fd, part.data(), part.size(), path);
-    if (::fchmod(file.fd, 0644) != 0 || ::fsync(file.fd) != 0) refuse(path, "cannot write: " + reason(errno));
-    if (::rename(temporary.c_str(), path.c_str()) != 0) refuse(path, "cannot rename into place: " + reason(errno));
-  } catch (...) {
-    ::unlink(temporary.c_str());
-    throw;
-  }
+  std::vector<std::span<const std::byte>> all{std::as_bytes(std::span(&header, 1))};
+  all.insert(all.end(), parts.begin(), parts.end());
+  write_whole(path, all, {.synced = true});
 }
 
 std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed) noexcept {

@@ -35,9 +35,7 @@ class SealedFile {
   std::uint64_t content_hash_ = 0;
 };
 
-/// Writes the parts, one after the other, as the payload of a sealed file: to a temporary file beside `path`, synced,
-/// then renamed, so that a reader sees the old file, the new file or none. Throws SetupError (full disk, no
-/// permission), leaving nothing behind.
+/// Writes the parts, one after the other, as the payload of a sealed file, whole and synced (write_whole).
 void write_sealed(const std::filesystem::path& path, const SealedKind& kind, std::uint64_t content_hash,
                   std::span<const std::span<const std::byte>> parts);
 

@@ -1,6 +1,5 @@
 #include "session/toml_file.hpp"
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <toml++/toml.h>
 #include <unistd.h>
@@ -10,6 +9,7 @@
 #include <cstring>
 
 #include "fault/fault.hpp"
+#include "file/whole_file.hpp"
 
 namespace tact::session {
 namespace {
@@ -130,25 +130,7 @@ void write_toml(const Keys& keys, const std::filesystem::path& path) {
       out += key.name + " = " + (s ? quoted(*s) : describe(*value)) + "\n";
     }
   }
-  const std::filesystem::path part = path.string() + ".part";
-  const auto fail = [&](int error) {
-    ::unlink(part.c_str());
-    throw SetupError(path.string() + ": found " + std::strerror(error) + ", expected a place where files can be made");
-  };
-  const int fd = ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, S_IRUSR | S_IWUSR);
-  if (fd < 0) fail(errno);
-  std::size_t done = 0;
-  while (done < out.size()) {
-    const ssize_t n = ::write(fd, out.data() + done, out.size() - done);
-    if (n < 0) {
-      const int error = errno;
-      ::close(fd);
-      fail(error);
-    }
-    done += static_cast<std::size_t>(n);
-  }
-  if (::close(fd) != 0) fail(errno);
-  if (::rename(part.c_str(), path.c_str()) != 0) fail(errno);
+  write_whole(path, out, {.mode = S_IRUSR | S_IWUSR});  // it holds the token
 }
 
 }  // namespace tact::session

@@ -1,5 +1,4 @@
 // tact-view: pictures and remote clients. Nobody waits for it; it may come, go and be slow as it likes.
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "fault/fault.hpp"
+#include "file/whole_file.hpp"
 #include "log/log.hpp"
 #include "service/service_main.hpp"
 #include "service/stop_signal.hpp"
@@ -37,18 +37,6 @@ WebOptions web_options(const MachineSpec& machine) {
   options.token = machine.token.empty() ? make_token() : machine.token;
   options.page = share_dir() / "page";
   return options;
-}
-
-/// The address with its token, for `tact run` and the user alone: readable by the owner only, and there only when
-/// whole.
-void write_url(const std::filesystem::path& file, const std::string& url) {
-  const std::string line = url + "\n";
-  const std::filesystem::path part = file.string() + ".part";
-  const int fd = open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  const bool written = fd >= 0 && write(fd, line.data(), line.size()) == static_cast<ssize_t>(line.size());
-  if (fd >= 0) close(fd);
-  if (!written || rename(part.c_str(), file.c_str()) != 0)
-    throw SetupError(file.string() + ": cannot write the viewer's address there");
 }
 
 bool up(const ViewScene& scene) { return !scene.info.name.empty() && scene.age_s >= 0; }
@@ -90,7 +78,7 @@ int serve(const ServiceOptions& options, const std::filesystem::path& shot) {
   Feed feed(session);
   if (options.check_only) return kExitOk;
   const std::filesystem::path url_file = session.run_dir / "view_url";
-  write_url(url_file, server.url());
+  write_whole(url_file, server.url() + "\n", {.mode = 0600});  // with its token: for the user alone
 
   // Active: the server and the pictures have threads of their own, this one listens and speaks to the session.
   server.start({[&](ClientId client, bool control) { conversation.joined(client, control); },

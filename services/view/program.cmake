@@ -1,5 +1,5 @@
 tact_program(tact-view LIBEXEC main.cpp)
-target_link_libraries(tact-view PRIVATE tact_view_feed tact_view_control tact_service tact_session tact_log tact_fault)
+target_link_libraries(tact-view PRIVATE tact_view_feed tact_view_control tact_service tact_session tact_log tact_fault tact_file)
 
 # The page is data: found beside the program in the build tree as in the installed one.
 file(GLOB _tact_page CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/page/*")

@@ -4,6 +4,7 @@
 
 #include "fault/fault.hpp"
 #include "file/sealed_file.hpp"
+#include "file/whole_file.hpp"
 #include "log/log.hpp"
 
 namespace tact::coupling {
@@ -17,13 +18,7 @@ SceneIdentity first_scene(const std::filesystem::path& run_dir, const SceneIdent
     throw SetupError(path.string() +
                      ": found no two hashes, expected the scene this session began with; restart the session");
   }
-  const std::filesystem::path part = path.string() + ".part";  // whoever sees the file sees all of it
-  std::ofstream out(part);
-  out << hex(now.field_hash) << ' ' << hex(now.shell_hash) << '\n';
-  out.close();
-  std::error_code failed;
-  if (out) std::filesystem::rename(part, path, failed);
-  if (!out || failed) throw SetupError(path.string() + ": cannot be written; is the disk full?");
+  write_whole(path, hex(now.field_hash) + ' ' + hex(now.shell_hash) + '\n');
   return now;
 }
 

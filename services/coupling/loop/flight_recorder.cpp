@@ -1,9 +1,10 @@
 #include "coupling/loop/flight_recorder.hpp"
 
 #include <cmath>
-#include <fstream>
+#include <sstream>
 
 #include "fault/fault.hpp"
+#include "file/whole_file.hpp"
 
 namespace tact::coupling {
 namespace {
@@ -71,8 +72,7 @@ std::filesystem::path FlightRecorder::finish(std::uint32_t dump_on) {
 std::filesystem::path FlightRecorder::dump(const std::string& reason) {
   --files_left_;
   const auto path = directory_ / ("flight-" + std::to_string(++files_) + ".csv");
-  const std::filesystem::path part = path.string() + ".part";  // whoever sees the file sees all of it
-  std::ofstream out(part);
+  std::ostringstream out;
   out.precision(9);
   out << "# tact flight record, schema 1: " << reason << '\n'
       << "tick,t_mono_ns,pose_seq,reply_seq,wrench_age_ticks,faults,contact_count" << pose_columns("X_WH")
@@ -93,10 +93,7 @@ std::filesystem::path FlightRecorder::dump(const std::string& reason) {
     put(out, r.V_sent.angular);
     out << '\n';
   }
-  out.close();
-  std::error_code failed;
-  if (out) std::filesystem::rename(part, path, failed);
-  if (!out || failed) throw SetupError(path.string() + ": flight record: cannot be written; is the disk full?");
+  write_whole(path, out.view());
   return path;
 }
 

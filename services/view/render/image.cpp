@@ -1,9 +1,8 @@
 #include "view/render/image.hpp"
 
-#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
-#include "fault/fault.hpp"
+#include "file/whole_file.hpp"
 #include "view/render/canvas.hpp"
 
 namespace tact::view {
@@ -24,16 +23,8 @@ std::string encode_jpeg(const Image& image, int quality) {
 void write_png(const Image& image, const std::filesystem::path& path) {
   std::vector<std::uint8_t> bytes;
   cv::imencode(".png", as_mat(image), bytes);
-  const std::filesystem::path part = path.string() + ".part";
-  std::ofstream out(part, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(part, path, error);
-  if (!out || error) {
-    std::filesystem::remove(part, error);
-    throw SetupError(path.string() + ": cannot write the picture; check that the folder exists and may be written");
-  }
+  const std::span<const std::byte> parts[] = {std::as_bytes(std::span(bytes))};
+  write_whole(path, parts);
 }
 
 }  // namespace tact::view
