@@ -252,6 +252,7 @@ FieldTally finish(FieldParts& parts) {
     for (std::size_t i = 0; i < parts.coarse.size(); ++i) {
       const float limit = std::max(0.f, block_m * (blocks[i] - 0.8661f));
       if (!parts.coarse[i].stored()) parts.coarse[i].promise = std::min(parts.coarse[i].promise, limit);
+      if (jumps[i] != 0) parts.coarse[i].slot_and_flags |= CoarseEntry::kDoubtful;  // one side of it is wrong
     }
   }
   set_stored_promises(parts, jumps);
