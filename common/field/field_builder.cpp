@@ -311,6 +311,9 @@ FieldTally finish(FieldParts& parts) {
   if (tally.jumps > 0) {
     to_jump = distance_between_blocks(parts.grid, jumps);
     for (float& blocks : to_jump) blocks = kBlockCells * (blocks - 0.8661f);
+    for (std::size_t i = 0; i < parts.coarse.size(); ++i) {
+      if (jumps[i] != 0) parts.coarse[i].slot_and_flags |= CoarseEntry::kDoubtful;  // one side of it is wrong
+    }
   }
   set_bounds(parts, to_jump);
   for (const CoarseEntry& entry : parts.coarse) tally.doubtful += entry.doubtful() ? 1 : 0;

@@ -34,7 +34,8 @@ FieldGrid make_grid(const Vec3& min_O, const Vec3& max_O, double voxel_m, double
 /// Clamps and rounds 729 signed distances, x fastest, into a block.
 void quantise(const FieldGrid& grid, std::span<const float> values_m, FieldBlock& block);
 
-/// Drops blocks that the band does not touch, and sets what probe() promises.
+/// Drops blocks that the band does not touch, calls blocks doubtful at which the sign jumps, and sets what probe()
+/// promises.
 FieldTally finish(FieldParts& parts);
 
 /// Samples a signed distance function (exact, or at least 1-Lipschitz; any thread is the caller's). The body must lie

@@ -166,7 +166,9 @@ Keys scene_keys(SceneSpec& scene, const std::filesystem::path& base) {
                 number("obstacle.field_error_mm", scene.field_error_mm, 0, 1000, "mm; 0: field_cells counts")});
   append(keys, pose_keys("obstacle.", scene.X_WO));
   append(keys, prefixed("tool.", body_keys(scene.tool, base)));
-  append(keys, {integer("tool.points", scene.points, 100, 1000000), integer("tool.levels", scene.levels, 1, 16)});
+  append(keys, {integer("tool.points", scene.points, 100, 1000000),
+                number("tool.spacing_voxels", scene.spacing_voxels, 0, 1000, "voxels of the field; 0: points counts"),
+                integer("tool.levels", scene.levels, 1, 16)});
   append(keys, pose_keys("start.", scene.start_X_WM));
   append(keys,
          pose_keys(

@@ -102,6 +102,8 @@ std::filesystem::path folder_of(const std::filesystem::path& file) {
 /// Of two that exclude each other, the last one said holds.
 void keep_last_said(const std::string& key, const SceneSpec& before, SceneSpec& next) {
   if (key == "contact.f_max_n") next.contact.stiffness_n_per_m = 0;
+  if (key == "tool.points") next.spacing_voxels = 0;
+  if (key == "obstacle.field_cells") next.field_error_mm = 0;
   for (auto [was, now] : {std::pair{&before.obstacle, &next.obstacle}, std::pair{&before.tool, &next.tool}}) {
     if (now->shape != was->shape) {
       now->shape_params.clear();
@@ -130,9 +132,13 @@ void load_scene(const std::filesystem::path& path, Session& session) {
     // A name taken from the file's own name obeys the same rule as a written one.
     if (key.name == "name" && !key.set(scene.name)) refuse(where, "name", "\"" + scene.name + "\"", key.expected);
   }
-  if (mentions(entries, "contact.stiffness_n_per_m") && mentions(entries, "contact.f_max_n")) {
-    refuse(where, "contact.stiffness_n_per_m", "f_max_n stated as well", "one of them: F_max = k x_max links them");
-  }
+  const auto one_of = [&](const std::string& key, const std::string& table, const char* other, const char* why) {
+    if (mentions(entries, key) && mentions(entries, table + other)) {
+      refuse(where, key, std::string{other} + " stated as well", std::string{"one of them: "} + why);
+    }
+  };
+  one_of("contact.stiffness_n_per_m", "contact.", "f_max_n", "F_max = k x_max links them");
+  one_of("tool.spacing_voxels", "tool.", "points", "both say how dense the pointshell is");
   check_scene(scene, where, "");
   note_run(session.run, path, entries);
 }

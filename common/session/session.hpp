@@ -63,6 +63,7 @@ struct SceneSpec {
   int field_resolution = 256;  ///< cells along the longest side of the obstacle
   double field_error_mm = 0;   ///< > 0: as many cells as keep the field's error below this at random samples, instead
   int points = 10000;
+  double spacing_voxels = 0;  ///< > 0: as many points as lie this far apart, in voxels of the field, instead
   int levels = 7;
   Pose X_WO;
   Pose start_X_WM;

@@ -1,57 +1,120 @@
 // libFuzzer target for what the server maps. The first byte chooses the kind of file; the rest becomes its payload,
-// properly sealed, so that the fuzzer need not guess checksums. Use: cmake --preset clang -DTACT_FUZZ=ON
-// -DTACT_SANITIZE=address,undefined, build cache_loaders_fuzz, run it on a folder of seeds, e.g. payloads of baked
-// files behind one byte.
+// properly sealed, so that the fuzzer need not guess checksums. What a loader accepts is used as a server uses it.
+// `cache_loaders_fuzz --seeds FOLDER` writes a few sound payloads to start from. See README.md.
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdint>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
 #include <span>
 #include <string>
 
+#include "contact/bake/test_meshes.hpp"
+#include "contact/bake/worker/shell_bake.hpp"
 #include "contact/model/pointshell.hpp"
+#include "contact/traversal/traversal.hpp"
 #include "fault/fault.hpp"
 #include "field/distance_field.hpp"
+#include "field/field_builder.hpp"
 #include "field/field_file.hpp"
 #include "mesh/mesh.hpp"
 
 namespace {
 
-void use(const tact::DistanceField& field) {
-  const tact::Vec3 low = field.min_O(), size = field.max_O() - low;
+using namespace tact;
+
+const SealedKind kKinds[] = {kFieldKind, {{'S', 'H', 'E', 'L'}, 1, "pointshell"}, {{'M', 'E', 'S', 'H'}, 1, "mesh"}};
+
+const FieldParts& ball() {
+  static const FieldParts parts = sample_distance(make_grid(Vec3::Constant(-0.01), Vec3::Constant(0.01), 0.002),
+                                                  [](const Vec3& p) { return p.norm() - 0.01; });
+  return parts;
+}
+
+std::filesystem::path scratch() {
+  static const std::string path =
+      (std::filesystem::exists("/dev/shm") ? "/dev/shm/tact-fuzz-" : "/tmp/tact-fuzz-") + std::to_string(::getpid());
+  return path;
+}
+
+void write_seeds(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  const auto keep = [&](const char* name, char kind) {
+    std::ifstream in(scratch(), std::ios::binary);
+    const std::string file{std::istreambuf_iterator<char>(in), {}};
+    std::ofstream(folder / name, std::ios::binary) << kind << file.substr(64);  // the header is sealed anew
+  };
+  save_field(ball(), scratch(), 1);
+  keep("field", 0);
+  for (const int levels : {1, 4}) {
+    contact::ShellReport report;
+    const Mesh box = test::box_mesh(Vec3::Zero(), Vec3(0.02, 0.01, 0.01));
+    contact::save_pointshell(contact::bake_shell(contact::clean_soup(box), {20, levels, 0}, {}, report), scratch());
+    keep(levels == 1 ? "shell-1" : "shell-4", 1);
+  }
+  save_mesh(test::torus_mesh(0.04, 0.015, 5, 4), scratch());
+  keep("mesh", 2);
+  std::filesystem::remove(scratch());
+}
+
+void use(const DistanceField& field) {
+  const Vec3 low = field.min_O(), size = field.max_O() - low;
   volatile double sink = 0;
-  constexpr std::size_t kPoints = 64;
+  constexpr std::size_t kPoints = 67;  // no multiple of any SIMD width
   double x[kPoints], y[kPoints], z[kPoints], out[6][kPoints];
   std::uint8_t flags[kPoints];
-  for (int i = 0; i < static_cast<int>(kPoints); ++i) {
-    const tact::Vec3 p = low + size.cwiseProduct(tact::Vec3(i % 4, i / 4 % 4, i / 16) / 3.0);
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const auto k = static_cast<int>(i);
+    Vec3 p = low + size.cwiseProduct(Vec3(k % 4, k / 4 % 4, k / 16) / 3.0);
+    if (i == 64) p = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+    if (i == 65) p = Vec3(1e300, -1e300, 0);
     sink = sink + field.sample(p).value_m + field.probe(p).clearance_m + field.lower_bound(p);
     x[i] = p.x();
     y[i] = p.y();
     z[i] = p.z();
   }
-  const tact::DistanceField::Points points{x, y, z, kPoints};
+  const DistanceField::Points points{x, y, z, kPoints};
   field.probe(points, out[0], out[1]);
   field.sample(points, {out[2], out[3], out[4], out[5], flags});
 }
 
+void use(contact::Pointshell shell) {
+  static const DistanceField field = make_field(ball());
+  contact::Traversal traversal(field, std::make_shared<const contact::Pointshell>(std::move(shell)));
+  contact::ContactBuffer contacts(8);
+  for (const double x : {0.0, 0.01, 1e6}) {
+    Pose pose;
+    pose.p = Vec3(x, 0, 0);
+    traversal.find(pose, contacts);
+  }
+}
+
 }  // namespace
 
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
+  if (*argc == 3 && std::strcmp((*argv)[1], "--seeds") == 0) {
+    write_seeds((*argv)[2]);
+    std::exit(0);
+  }
+  return 0;
+}
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace tact;
   if (size == 0) return 0;
-  static const std::filesystem::path path =
-      (std::filesystem::exists("/dev/shm") ? "/dev/shm/tact-fuzz-" : "/tmp/tact-fuzz-") + std::to_string(::getpid());
-  const SealedKind kinds[] = {kFieldKind, {{'S', 'H', 'E', 'L'}, 1, "pointshell"}, {{'M', 'E', 'S', 'H'}, 1, "mesh"}};
   const int kind = data[0] % 3;
   const std::span<const std::byte> parts[] = {std::as_bytes(std::span(data + 1, size - 1))};
-  write_sealed(path, kinds[kind], 1, parts);
+  write_sealed(scratch(), kKinds[kind], 1, parts);
   try {
-    if (kind == 0) use(DistanceField::open(path));
-    if (kind == 1) contact::load_pointshell(path);
-    if (kind == 2) load_mesh(path);
+    if (kind == 0) use(DistanceField::open(scratch()));
+    if (kind == 1) use(contact::load_pointshell(scratch()));
+    if (kind == 2) load_mesh(scratch());
   } catch (const SetupError&) {  // refused, as it should be
   }
-  std::filesystem::remove(path);
+  std::filesystem::remove(scratch());
   return 0;
 }

@@ -53,7 +53,9 @@ def main():
             print(f"{mesh.name:<28} {report}", flush=True)
             continue
         field, soup = report["field"], report["soup"]
-        rms, largest = (field[k] / field["voxel_m"] for k in ("error_rms_m", "error_largest_m"))
+        # null: nothing could be measured
+        rms, largest = (field[k] / field["voxel_m"] if field[k] is not None else float("nan")
+                        for k in ("error_rms_m", "error_largest_m"))
         doubtful = field["doubtful_blocks"] / max(1, field["blocks_stored"])
         group = names[2 if soup["open_components"] else 1 if soup["capped_holes"] else 0]
         groups[group].append((rms, largest, field["jumping_blocks"], doubtful, field["sign_mismatches"]))
@@ -63,6 +65,7 @@ def main():
         if not rows:
             continue
         rms, largest, jumps, doubtful, mismatches = zip(*rows)
+        rms, largest = ([x for x in xs if x == x] or [float("nan")] for xs in (rms, largest))
         print(f"{len(rows)} {name}: rms error {min(rms):.4f} to {max(rms):.4f} voxels, largest {max(largest):.3f}; "
               f"{sum(j > 0 for j in jumps)} with jumps, {sum(d > 0 for d in doubtful)} with doubtful blocks, "
               f"{sum(m > 0 for m in mismatches)} with samples of the other sign")

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cli/commands.hpp"
 #include "contact/bake/baked_scene.hpp"
@@ -42,6 +43,12 @@ Json json_of(const BakedBody& body) {
           {"report", Json::parse(in, nullptr, false)}};
 }
 
+Json json_of(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
+std::string in_voxels(const std::optional<double>& length_m, double voxel_m) {
+  return length_m ? text("%.4g voxels", *length_m / voxel_m) : "none found";
+}
+
 }  // namespace
 
 int bake(const RunOptions& options, bool json) {
@@ -59,8 +66,11 @@ int bake(const RunOptions& options, bool json) {
   if (json) {
     const Json report{{"scene", session.scene.name},
                       {"voxel_m", baked.voxel_m},
-                      {"field_error_max_m", baked.field_error_max_m},
-                      {"field_error_rms_m", baked.field_error_rms_m},
+                      {"field_error_max_m", json_of(baked.field_error_max_m)},
+                      {"field_error_rms_m", json_of(baked.field_error_rms_m)},
+                      {"thinnest_wall_m", json_of(baked.thinnest_wall_m)},
+                      {"narrowest_gap_m", json_of(baked.narrowest_gap_m)},
+                      {"points", baked.points},
                       {"largest_gap_voxels", baked.largest_gap_voxels},
                       {"obstacle", json_of(baked.obstacle)},
                       {"tool", json_of(baked.tool)}};
@@ -69,10 +79,17 @@ int bake(const RunOptions& options, bool json) {
   }
   console.line("Scene " + session.scene.name + text(": a voxel is %.4f mm", baked.voxel_m * 1e3));
   print(console, "obstacle", baked.obstacle);
-  console.line(text("%-9s   field error: max %.4f, rms %.4f voxels", "", baked.field_error_max_m / baked.voxel_m,
-                    baked.field_error_rms_m / baked.voxel_m));
+  if (baked.field_error_max_m && baked.field_error_rms_m) {
+    console.line(text("%-9s   field error: max %.4f, rms %.4f voxels", "", *baked.field_error_max_m / baked.voxel_m,
+                      *baked.field_error_rms_m / baked.voxel_m));
+  } else {
+    console.line(text("%-9s   field error: not measured, no sample lies in a sound block", ""));
+  }
+  console.line(text("%-9s   thinnest wall: %s, narrowest gap: %s", "",
+                    in_voxels(baked.thinnest_wall_m, baked.voxel_m).c_str(),
+                    in_voxels(baked.narrowest_gap_m, baked.voxel_m).c_str()));
   print(console, "tool", baked.tool);
-  console.line(text("%-9s   %d points, largest gap %.2f voxels", "", session.scene.points, baked.largest_gap_voxels));
+  console.line(text("%-9s   %zu points, largest gap %.2f voxels", "", baked.points, baked.largest_gap_voxels));
   return 0;
 }
 

@@ -35,6 +35,11 @@ if(TACT_SANITIZE)
   add_compile_definitions(TACT_SANITIZED=1)  # allocation guard and memory locking off
 endif()
 
+option(TACT_FUZZ "Build the fuzz targets of tests/fuzz (clang only)" OFF)
+if(TACT_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)  # the fuzzer sees which branches of the product an input takes
+endif()
+
 add_library(tact_warnings INTERFACE)
 target_compile_options(tact_warnings INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
 

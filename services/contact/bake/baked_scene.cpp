@@ -5,9 +5,9 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -73,10 +73,10 @@ struct TemporaryFile {
 
 struct Part {
   const char* name;  ///< "obstacle", "tool"
-  const BodySpec* body;
+  const BodySpec& body;
   std::uint64_t key;
   BakedFiles files;
-  std::function<void(const BakedFiles&, std::uint64_t)> check;  ///< throws SetupError
+  void (*check)(const BakedFiles&, std::uint64_t key);  ///< throws SetupError
 };
 
 /// The body if all its files are there and sound; `refused` says why files that are there are not.
@@ -129,6 +129,55 @@ class Cleaner {
   const BakedFiles* files_;
 };
 
+/// From the cache, or baked by the child.
+BakedBody ensure_part(const SceneSpec& scene, const Part& part, const std::filesystem::path& cache,
+                      const BakeProgress& progress, const std::filesystem::path& program, nlohmann::json& report) {
+  std::string refused;
+  if (auto found = look_up(part, report, refused)) return *found;
+  const FileLock lock(part.files.lock, part.name, progress);
+  if (auto found = look_up(part, report, refused)) return *found;  // another process was faster
+  Cleaner cleaner(part.files);
+  const TemporaryFile session_file(cache);
+  Session session;
+  session.name = "bake";
+  session.run_dir = cache;
+  session.scene = scene;
+  save_session(session, session_file.path);
+  const ChildEnd end = run_bake_child({program.string(), "--session", session_file.path.string(), "--cache",
+                                       cache.string(), "--part", part.name, "--progress"},
+                                      progress);
+  if (!end.good) {
+    throw SetupError(!end.error.empty() ? end.error
+                                        : body_name(part.body) + ": the bake of this mesh " + end.how +
+                                              ": repair or simplify the mesh, or lower the resolution");
+  }
+  std::string unsound;
+  auto baked = look_up(part, report, unsound);
+  if (!baked)
+    throw SetupError(part.files.data.string() + ": the bake ended well but its files do not read back: " + unsound);
+  cleaner.keep();
+  baked->from_cache = false;
+  if (!refused.empty()) baked->warnings.push_back(refused + "; baked anew");
+  return *baked;
+}
+
+std::optional<double> number(const nlohmann::json& value) {
+  return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
+}
+
+/// Whether a thin part of the obstacle may pass between the points: a hole between them is twice as wide as its middle
+/// is far from the nearest.
+void check_coverage(const SceneSpec& scene, BakedScene& baked) {
+  const double gap_m = baked.largest_gap_voxels * baked.voxel_m;
+  if (!baked.thinnest_wall_m || *baked.thinnest_wall_m >= 2 * gap_m) return;
+  char text[256];
+  std::snprintf(text, sizeof(text),
+                ": the widest hole between its points is %.3g mm (%.3g voxels), and the thinnest wall of the obstacle "
+                "is %.3g mm: it may slip through; more tool.points or a smaller tool.spacing_voxels closes holes",
+                2e3 * gap_m, 2 * baked.largest_gap_voxels, 1e3 * *baked.thinnest_wall_m);
+  baked.tool.warnings.push_back(body_name(scene.tool) + text);
+}
+
 }  // namespace
 
 BakedScene ensure_baked(const SceneSpec& scene, const std::filesystem::path& cache, const BakeProgress& progress,
@@ -139,56 +188,32 @@ BakedScene ensure_baked(const SceneSpec& scene, const std::filesystem::path& cac
     throw SetupError(cache.string() + ": cannot make the cache folder: " + error.message() +
                      ": set cache.dir or TACT_CACHE");
   }
-  const std::uint64_t field_key = obstacle_key(scene), shell_key = tool_key(scene);
-  const Part parts[2] = {{"obstacle", &scene.obstacle, field_key, obstacle_files(cache, field_key),
-                          [](const BakedFiles& f, std::uint64_t key) { DistanceField::open(f.data, key); }},
-                         {"tool", &scene.tool, shell_key, tool_files(cache, shell_key),
-                          [](const BakedFiles& f, std::uint64_t key) { load_pointshell(f.data, key); }}};
-  BakedBody bodies[2];
-  nlohmann::json reports[2];
+  const std::uint64_t field_key = obstacle_key(scene);
+  const BakedFiles field_files = obstacle_files(cache, field_key);
+  const auto check_field = [](const BakedFiles& f, std::uint64_t key) { DistanceField::open(f.data, key); };
+  const auto check_shell = [](const BakedFiles& f, std::uint64_t key) { load_pointshell(f.data, key); };
+  BakedScene baked;
+  nlohmann::json report;
+  try {
+    baked.obstacle = ensure_part(scene, {"obstacle", scene.obstacle, field_key, field_files, check_field}, cache,
+                                 progress, program, report);
+    const nlohmann::json& field = report.at("field");
+    baked.voxel_m = field.at("voxel_m");
+    baked.field_error_max_m = number(field.at("error_largest_m"));
+    baked.field_error_rms_m = number(field.at("error_rms_m"));
+    if (const auto wall = number(field.at("thinnest_wall_mm"))) baked.thinnest_wall_m = 1e-3 * *wall;
+    if (const auto gap = number(field.at("narrowest_gap_mm"))) baked.narrowest_gap_m = 1e-3 * *gap;
 
-  for (int i = 0; i < 2; ++i) {
-    const Part& part = parts[i];
-    std::string refused;
-    if (auto found = look_up(part, reports[i], refused)) {
-      bodies[i] = *found;
-      continue;
-    }
-    const FileLock lock(part.files.lock, part.name, progress);
-    if (auto found = look_up(part, reports[i], refused)) {  // another process was faster
-      bodies[i] = *found;
-      continue;
-    }
-    Cleaner cleaner(part.files);
-    const TemporaryFile session_file(cache);
-    Session session;
-    session.name = "bake";
-    session.run_dir = cache;
-    session.scene = scene;
-    save_session(session, session_file.path);
-    const ChildEnd end = run_bake_child({program.string(), "--session", session_file.path.string(), "--cache",
-                                         cache.string(), "--part", part.name, "--progress"},
-                                        progress);
-    if (!end.good) {
-      throw SetupError(!end.error.empty() ? end.error
-                                          : body_name(*part.body) + ": the bake of this mesh " + end.how +
-                                                ": repair or simplify the mesh, or lower the resolution");
-    }
-    std::string unsound;
-    auto baked = look_up(part, reports[i], unsound);
-    if (!baked)
-      throw SetupError(part.files.data.string() + ": the bake ended well but its files do not read back: " + unsound);
-    cleaner.keep();
-    bodies[i] = *baked;
-    bodies[i].from_cache = false;
-    if (!refused.empty()) bodies[i].warnings.push_back(refused + "; baked anew");
+    const std::uint64_t shell_key = tool_key(scene, tool_spacing_m(scene, field_files));
+    baked.tool = ensure_part(scene, {"tool", scene.tool, shell_key, tool_files(cache, shell_key), check_shell}, cache,
+                             progress, program, report);
+    baked.points = report.at("shell").at("points");
+    baked.largest_gap_voxels = report.at("shell").at("largest_gap_m").get<double>() / baked.voxel_m;
+  } catch (const nlohmann::json::exception& reason) {
+    throw SetupError(cache.string() + ": a bake report there lacks what it should say (" + reason.what() +
+                     "): delete it and bake again");
   }
-
-  BakedScene baked{bodies[0], bodies[1], 0, 0, 0, 0};
-  baked.voxel_m = reports[0].at("field").at("voxel_m");
-  baked.field_error_max_m = reports[0].at("field").at("error_largest_m");
-  baked.field_error_rms_m = reports[0].at("field").at("error_rms_m");
-  baked.largest_gap_voxels = reports[1].at("shell").at("largest_gap_m").get<double>() / baked.voxel_m;
+  check_coverage(scene, baked);
   return baked;
 }
 

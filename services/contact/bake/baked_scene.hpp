@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,9 +25,11 @@ struct BakedBody {
 
 struct BakedScene {
   BakedBody obstacle, tool;
-  double voxel_m = 0;  ///< of the field
-  double field_error_max_m = 0, field_error_rms_m = 0;
-  double largest_gap_voxels = 0;  ///< of the pointshell, in voxels of the field
+  double voxel_m = 0;                                          ///< of the field
+  std::optional<double> field_error_max_m, field_error_rms_m;  ///< nothing: it could be measured nowhere
+  std::optional<double> thinnest_wall_m, narrowest_gap_m;      ///< of the obstacle; nothing: it has none (README)
+  std::size_t points = 0;                                      ///< of the pointshell
+  double largest_gap_voxels = 0;  ///< from any place of the tool's surface to the nearest point, in voxels of the field
 };
 
 /// Finds the scene's field, pointshell and cleaned meshes in the cache; bakes what is missing or damaged in a child

@@ -1,6 +1,7 @@
 #include "contact/bake/content_key.hpp"
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <vector>
 
@@ -77,10 +78,26 @@ std::uint64_t obstacle_key(const SceneSpec& scene) {
   return body_key(scene.obstacle, hash_text(options.str()));
 }
 
-std::uint64_t tool_key(const SceneSpec& scene) {
-  const std::string options =
-      "shell " + std::to_string(kMethod) + ' ' + std::to_string(scene.points) + ' ' + std::to_string(scene.levels);
-  return body_key(scene.tool, hash_text(options));
+std::uint64_t tool_key(const SceneSpec& scene, double spacing_m) {
+  std::ostringstream options;
+  options << "shell " << kMethod << ' ' << scene.levels << ' ' << std::hexfloat;
+  if (spacing_m > 0) {
+    options << "spacing " << spacing_m;
+  } else {
+    options << scene.points;
+  }
+  return body_key(scene.tool, hash_text(options.str()));
+}
+
+double tool_spacing_m(const SceneSpec& scene, const BakedFiles& obstacle) {
+  if (!(scene.spacing_voxels > 0)) return 0;
+  const auto report = nlohmann::json::parse(std::ifstream(obstacle.report), nullptr, false);
+  const auto voxel = nlohmann::json::json_pointer("/field/voxel_m");
+  if (report.is_discarded() || !report.contains(voxel) || !report[voxel].is_number()) {
+    throw SetupError(obstacle.report.string() +
+                     ": no voxel there, which tool.spacing_voxels counts in: bake the obstacle first");
+  }
+  return scene.spacing_voxels * report[voxel].get<double>();
 }
 
 BakedFiles obstacle_files(const std::filesystem::path& cache, std::uint64_t key) {

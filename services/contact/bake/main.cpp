@@ -96,9 +96,11 @@ void bake(const Options& options, std::string& body) {
   }
   if (options.part != "obstacle") {
     body = body_name(scene.tool);
-    const std::uint64_t key = tool_key(scene);
+    const double spacing_m =
+        scene.spacing_voxels > 0 ? tool_spacing_m(scene, obstacle_files(options.cache, obstacle_key(scene))) : 0;
+    const std::uint64_t key = tool_key(scene, spacing_m);
     const BakedFiles files = tool_files(options.cache, key);
-    bake_tool(scene, files, key, reporter(options, "tool"));
+    bake_tool(scene, spacing_m, files, key, reporter(options, "tool"));
     say(files);
   }
 }

@@ -32,6 +32,7 @@ Session full_session(const TempFolder& folder) {
   s.scene.field_resolution = 512;
   s.scene.field_error_mm = 0.125;
   s.scene.points = 25269;
+  s.scene.spacing_voxels = 1.25;
   s.scene.levels = 6;
   s.scene.X_WO = {Vec3(1.0 / 3, -2.0 / 7, 1e-9), Quat(0.1, 0.2, -0.3, 0.4).normalized()};
   s.scene.start_X_WM = {Vec3(0.5, 0, -0.25), Quat(-0.9, 0.2, 0.3, 0.1).normalized()};

@@ -90,6 +90,9 @@ TEST(Scene, EveryMistakeIsOneErrorNamingFileKeyFoundAndExpected) {
   EXPECT_EQ(load_error(m + "[contact]\nstiffness_n_per_m = 1\nf_max_n = 10\n"),
             "scene.toml: contact.stiffness_n_per_m: found f_max_n stated as well, "
             "expected one of them: F_max = k x_max links them");
+  EXPECT_EQ(load_error(m + "points = 500\nspacing_voxels = 2\n"),
+            "scene.toml: tool.spacing_voxels: found points stated as well, "
+            "expected one of them: both say how dense the pointshell is");
   EXPECT_EQ(load_error("obstacle.shape = \"box\"\n"),
             "scene.toml: tool: found neither shape nor mesh, expected one of them");
   EXPECT_EQ(load_error(m + "mesh = \"a.obj\"\n"), "scene.toml: tool: found both shape and mesh, expected one of them");

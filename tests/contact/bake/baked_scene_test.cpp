@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -133,9 +134,78 @@ TEST_F(BakedSceneTest, TheKeyFollowsTheContentNotTheName) {
   EXPECT_NE(other([](SceneSpec& s) { s.obstacle.sheet_thickness_m = 1e-3; }), key);
   std::ofstream(scene_.obstacle.mesh, std::ios::app) << "\n";
   EXPECT_NE(obstacle_key(scene_), key);
-  const std::uint64_t tool = tool_key(scene_);
+  const std::uint64_t tool = tool_key(scene_, 0);
   scene_.points = 301;
-  EXPECT_NE(tool_key(scene_), tool);
+  EXPECT_NE(tool_key(scene_, 0), tool);
+  EXPECT_EQ(tool_key(scene_, 1e-3), [&] {
+    scene_.points = 302;  // counts no longer
+    return tool_key(scene_, 1e-3);
+  }());
+  EXPECT_NE(tool_key(scene_, 1e-3), tool_key(scene_, 2e-3));
+}
+
+TEST_F(BakedSceneTest, ASpacingIsCountedInVoxelsOfTheObstacle) {
+  scene_.spacing_voxels = 2;
+  const BakedScene coarse = bake();
+  const auto spacing_m = [](const BakedScene& baked) {
+    const auto report = nlohmann::json::parse(std::ifstream(baked.tool.report));
+    return report.at("shell").at("mean_spacing_m").get<double>();
+  };
+  EXPECT_NEAR(spacing_m(coarse), 2 * coarse.voxel_m, 0.02 * coarse.voxel_m);
+  scene_.field_resolution = 64;  // half the voxel, so four times the points
+  const BakedScene fine = bake();
+  EXPECT_NEAR(spacing_m(fine), 2 * fine.voxel_m, 0.02 * fine.voxel_m);
+  EXPECT_NEAR(static_cast<double>(fine.points), 4.0 * static_cast<double>(coarse.points),
+              0.02 * static_cast<double>(fine.points));
+  scene_.spacing_voxels = 4;  // 4 fine voxels are 2 coarse ones
+  const BakedScene same = bake("/no/such/program");
+  EXPECT_EQ(same.tool.hash, coarse.tool.hash);
+}
+
+/// The tool by itself: its voxel comes from the obstacle's report in the same cache.
+TEST_F(BakedSceneTest, ASpacingNeedsTheObstacleFirst) {
+  std::ofstream(file("scene.toml")) << "obstacle = { shape = \"box\", field_cells = 16 }\n"
+                                       "tool = { shape = \"cone\", spacing_voxels = 1.5 }\n";
+  const auto run = [&](const char* part) {
+    test::Process process({kBake, "--scene", file("scene.toml").string(), "--cache", cache_.string(), "--part", part},
+                          file("bake.log"));
+    const std::optional<int> code = process.wait(std::chrono::seconds(60));
+    return std::pair(code.value_or(-1), process.output());
+  };
+  const auto [code, text] = run("tool");
+  EXPECT_EQ(code, 2);
+  EXPECT_TRUE(says(text, "tool.spacing_voxels counts in: bake the obstacle first")) << text;
+  EXPECT_EQ(run("both").first, 0);
+  EXPECT_EQ(run("tool").first, 0);
+}
+
+TEST_F(BakedSceneTest, AWallThatMayPassBetweenThePointsIsSaid) {
+  for (const char* side : {"size_x_m", "size_y_m", "size_z_m"}) scene_.tool.shape_params[side] = 0.02;
+  const auto warned = [&] {
+    for (const std::string& warning : bake().tool.warnings) {
+      if (says(warning, "widest hole between its points")) return true;
+    }
+    return false;
+  };
+  EXPECT_FALSE(warned());
+  write_obj(test::box_mesh(Vec3(0, 0, 0), Vec3(50, 30, 0.5)), file("sheet.obj"));
+  scene_.obstacle.mesh = file("sheet.obj");
+  EXPECT_NEAR(bake().thinnest_wall_m.value_or(0), 0.5e-3, 1e-8);
+  EXPECT_TRUE(warned());
+  EXPECT_TRUE(warned());  // from the cache too
+  scene_.obstacle.mesh = file("block.obj");
+  EXPECT_FALSE(warned());
+}
+
+TEST_F(BakedSceneTest, WhatCouldNotBeMeasuredIsNotZero) {
+  const BakedScene measured = bake();
+  EXPECT_GT(measured.field_error_max_m.value_or(0), 0);
+  auto report = nlohmann::json::parse(std::ifstream(measured.obstacle.report));
+  report["field"]["error_largest_m"] = report["field"]["thinnest_wall_mm"] = nullptr;
+  std::ofstream(measured.obstacle.report) << report;
+  const BakedScene unknown = bake("/no/such/program");
+  EXPECT_FALSE(unknown.field_error_max_m || unknown.thinnest_wall_m);
+  EXPECT_TRUE(unknown.field_error_rms_m.has_value());
 }
 
 TEST_F(BakedSceneTest, DamagedFilesAreBakedAnew) {
@@ -314,6 +384,55 @@ TEST_F(BakedSceneTest, AnInterruptedChildIsACancelledBakeAndItsLeftoversGo) {
   expect_only_locks();
 }
 
+/// The real child, killed while it computes.
+TEST_F(BakedSceneTest, AChildKilledMidWayLeavesNothingAndTheNextBakeIsWhole) {
+  scene_.field_resolution = 200;
+  std::string message;
+  try {
+    ensure_baked(
+        scene_, cache_,
+        [&](const BakeStep& step) {
+          if (step.stage != "distances") return true;
+          std::ifstream children("/proc/thread-self/children");
+          for (pid_t child = 0; children >> child;) ::kill(child, SIGKILL);
+          return true;
+        },
+        kBake);
+  } catch (const SetupError& error) {
+    message = error.what();
+  }
+  EXPECT_TRUE(says(message, "was killed")) << message;
+  expect_only_locks();
+  EXPECT_NO_THROW(bake());
+}
+
+/// A server killed while its child bakes: the child goes too, and the next server finds the lock free.
+TEST_F(BakedSceneTest, AServerKilledMidWayIsSucceededByTheNext) {
+  scene_.field_resolution = 400;
+  int ready[2];
+  ASSERT_EQ(::pipe(ready), 0);
+  const pid_t server = ::fork();
+  if (server == 0) {
+    try {
+      ensure_baked(
+          scene_, cache_,
+          [&](const BakeStep& step) { return step.stage != "distances" || ::write(ready[1], "x", 1) == 1; }, kBake);
+    } catch (...) {
+    }
+    ::_exit(0);
+  }
+  ASSERT_GT(server, 0);
+  ::close(ready[1]);
+  char byte = 0;
+  ASSERT_EQ(::read(ready[0], &byte, 1), 1);
+  ::kill(server, SIGKILL);
+  ::waitpid(server, nullptr, 0);
+  ::close(ready[0]);
+  const BakedScene next = bake();
+  EXPECT_FALSE(next.obstacle.from_cache);
+  EXPECT_EQ(DistanceField::open(next.obstacle.data, next.obstacle.hash).voxel_m(), next.voxel_m);
+}
+
 TEST_F(BakedSceneTest, TwoProcessesAtOnceShareOneBake) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -347,8 +466,8 @@ TEST_F(BakedSceneTest, AFullCacheDiskIsOneClearErrorAndLeavesNothing) {
 TEST_F(BakedSceneTest, AnErrorBoundChoosesTheResolution) {
   scene_.field_error_mm = 0.4;
   const BakedScene baked = bake();
-  EXPECT_LE(baked.field_error_max_m, 0.4e-3);
-  EXPECT_GT(baked.field_error_max_m, 0.1e-3);  // and no finer than need be
+  EXPECT_LE(baked.field_error_max_m.value_or(1), 0.4e-3);
+  EXPECT_GT(baked.field_error_max_m.value_or(0), 0.1e-3);  // and no finer than need be
   const auto report = nlohmann::json::parse(std::ifstream(baked.obstacle.report));
   EXPECT_NEAR(0.05 / report.at("field").at("resolution").get<double>(), baked.voxel_m, 1e-9);
   EXPECT_NEAR(report.at("field").at("thinnest_wall_the_grid_honours_mm").get<double>(), 1e3 * baked.voxel_m, 1e-9);

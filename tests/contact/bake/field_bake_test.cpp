@@ -283,6 +283,39 @@ TEST(BakeField, ASheetWithAThicknessIsAPlate) {
   EXPECT_GT(thin.report.quality.surface_without_inside, 0.9);
 }
 
+/// However coarse the grid and however small the thin part, it is the body that is measured.
+TEST(BakeField, TheThinnestWallAndTheNarrowestGapAreThoseOfTheBody) {
+  Mesh body = test::box_mesh(Vec3(0, 0, 0), Vec3(0.1, 0.1, 0.01));
+  test::append(body, test::box_mesh(Vec3(0, 0, 0.0127), Vec3(0.1, 0.1, 0.03)));       // 2.7 mm above
+  test::append(body, test::box_mesh(Vec3(0.15, 0.03, 0), Vec3(0.1504, 0.04, 0.01)));  // a lug of 0.4 mm
+  for (const Mesh& mesh : {body, test::flipped(body, 3), test::unwelded(test::doubly_faced(body))}) {
+    const FieldQuality q = bake(mesh, 24).report.quality;
+    ASSERT_TRUE(q.thinnest_wall_m && q.narrowest_gap_m);
+    EXPECT_NEAR(*q.thinnest_wall_m, 0.4e-3, 1e-8);
+    EXPECT_NEAR(*q.narrowest_gap_m, 2.7e-3, 1e-8);
+  }
+  const FieldQuality ring = bake(fine_torus(), 48).report.quality;  // the tube, and the hole across
+  EXPECT_NEAR(ring.thinnest_wall_m.value_or(0), 0.03, 2e-4);
+  EXPECT_NEAR(ring.narrowest_gap_m.value_or(0), 0.05, 5e-4);
+  // No two faces of a tetrahedron look at each other, and nothing is outside but it.
+  Mesh tetra;
+  for (const Vec3& p : {Vec3(0, 0, 0), Vec3(0.05, 0, 0), Vec3(0, 0.05, 0), Vec3(0, 0, 0.05)}) test::add(tetra, p);
+  tetra.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  const FieldQuality none = bake(tetra, 24).report.quality;
+  EXPECT_FALSE(none.thinnest_wall_m || none.narrowest_gap_m);
+  // Two sheets 4 mm apart, made 1 mm thick.
+  Mesh sheets;
+  for (const double z : {0.0, 0.004}) {
+    Mesh sheet;
+    for (const Vec3& p : {Vec3(0, 0, z), Vec3(0.05, 0, z), Vec3(0.05, 0.03, z), Vec3(0, 0.03, z)}) test::add(sheet, p);
+    sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+    test::append(sheets, sheet);
+  }
+  const FieldQuality plates = bake(sheets, 32, 0.001).report.quality;
+  EXPECT_NEAR(plates.thinnest_wall_m.value_or(0), 1e-3, 1e-8);
+  EXPECT_NEAR(plates.narrowest_gap_m.value_or(0), 3e-3, 1e-8);
+}
+
 TEST(BakeField, LowerBoundsAndClearancesHoldOnBakedFields) {
   Mesh open = test::cylinder_mesh(0.02, 0.03, 90);
   std::erase_if(open.triangles, [](const auto& t) { return t[0] == 181; });

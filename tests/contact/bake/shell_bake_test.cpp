@@ -7,6 +7,7 @@
 #include <numeric>
 #include <random>
 
+#include "fault/fault.hpp"
 #include "test_meshes.hpp"
 
 namespace tact::contact {
@@ -201,6 +202,69 @@ TEST(BakeShell, APlateHasPointsOnBothFaces) {
   }
   EXPECT_NEAR(above, 500, 60);
   EXPECT_NEAR(baked.report.area_m2, 2 * 0.05 * 0.03, 1e-9);
+}
+
+/// Thin parts get points on every side, at all counts: far thinner than the spacing.
+TEST(BakeShell, AThinPlateHasBothItsFacesCovered) {
+  const Vec3 low(0, 0, 0), high(0.05, 0.03, 1e-4);
+  for (const int points : {100, 1000, 4000}) {
+    const Baked baked = bake(test::box_mesh(low, high), {points, 7, 0});
+    const double spacing = baked.report.mean_spacing_m;
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> x(low.x(), high.x()), y(low.y(), high.y());
+    double worst = 0;
+    for (int i = 0; i < 1000; ++i) {  // of each face, to the nearest point that faces the same way
+      const double inward = i % 2 ? -1 : 1;
+      const Vec3 p(x(random), y(random), i % 2 ? high.z() : low.z());
+      double nearest = 1;
+      for (std::size_t k = 0; k < baked.shell.size(); ++k) {
+        if (static_cast<double>(baked.shell.normal_T[k].z()) * inward < 0.3) continue;
+        nearest = std::min(nearest, (in_mesh_frame(baked.shell, k) - p).norm());
+      }
+      worst = std::max(worst, nearest);
+    }
+    EXPECT_LT(worst, 1.3 * spacing) << points;
+    EXPECT_LT(baked.report.largest_gap_m, 1.2 * spacing) << points;
+  }
+}
+
+TEST(BakeShell, AWireIsCoveredAllRoundAtAllCounts) {
+  const double radius = 1e-4, length = 0.02;
+  Mesh mesh = test::box_mesh(Vec3(-0.05, -0.05, -0.05), Vec3(0.05, 0.05, -length));
+  test::append(mesh, test::cylinder_mesh(radius, 0.6 * length, 48));  // 48 sides: no edge of it is sharp
+  for (const int points : {100, 1000, 5000}) {
+    const Baked baked = bake(mesh, {points, 7, 0});
+    const double spacing = baked.report.mean_spacing_m;
+    EXPECT_EQ(baked.shell.size(), static_cast<std::size_t>(points));
+    // Along the wire, from each of four sides.
+    for (const Vec3& side : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)}) {
+      for (double z = -0.5 * length; z <= 0.6 * length; z += 0.05 * length) {
+        double nearest = 1;
+        for (std::size_t k = 0; k < baked.shell.size(); ++k) {
+          const Vec3 p = in_mesh_frame(baked.shell, k);
+          if (std::hypot(p.x(), p.y()) > 1.01 * radius) continue;
+          if (baked.shell.normal_T[k].cast<double>().dot(side) > -0.3) continue;  // faces elsewhere
+          nearest = std::min(nearest, std::fabs(p.z() - z));
+        }
+        EXPECT_LT(nearest, 1.5 * spacing) << points << " points, at " << z << " from " << side.transpose();
+      }
+    }
+  }
+}
+
+TEST(BakeShell, ASpacingDecidesTheCount) {
+  for (const double spacing : {1.5e-3, 3e-3}) {
+    const Baked baked = bake(block(), {.points = 7, .spacing_m = spacing});
+    EXPECT_NEAR(baked.report.mean_spacing_m, spacing, 0.01 * spacing);
+    EXPECT_LT(baked.report.largest_gap_m, 1.2 * spacing);
+  }
+  EXPECT_EQ(bake(block(), {.spacing_m = 1}).shell.size(), 100u);
+  EXPECT_THROW(bake(block(), {.spacing_m = 1e-6}), SetupError);
+  // Only the outside counts: a box half in another needs as many points as their union.
+  Mesh two = test::box_mesh(Vec3(0, 0, 0), Vec3(0.02, 0.02, 0.02));
+  test::append(two, test::box_mesh(Vec3(0.01, 0.003, 0.003), Vec3(0.03, 0.017, 0.017)));
+  const auto wanted = static_cast<double>(packing_count(6 * 0.02 * 0.02 + 4 * 0.01 * 0.014, 1e-3));
+  EXPECT_NEAR(static_cast<double>(bake(two, {.spacing_m = 1e-3}).shell.size()), wanted, 0.02 * wanted);
 }
 
 TEST(BakeShell, FewPointsAndOneLevelWork) {

@@ -1,14 +1,12 @@
 #include "contact/bake/worker/bake_parts.hpp"
 
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "contact/bake/worker/field_bake.hpp"
@@ -16,6 +14,7 @@
 #include "contact/bake/worker/shell_bake.hpp"
 #include "fault/fault.hpp"
 #include "file/sealed_file.hpp"
+#include "file/whole_file.hpp"
 #include "shapes/shapes.hpp"
 
 namespace tact::contact {
@@ -40,6 +39,12 @@ Soup clean(const BodySpec& body) {
 std::string percent(double fraction) {
   char text[32];
   std::snprintf(text, sizeof(text), "%.2g %%", 100 * fraction);
+  return text;
+}
+
+std::string millimetres(double metres) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.4g mm", 1e3 * metres);
   return text;
 }
 
@@ -85,6 +90,8 @@ json to_json(const std::vector<DoubtfulPlace>& places) {
   return list;
 }
 
+json in_mm(const std::optional<double>& metres) { return metres ? json(1e3 * *metres) : json(); }
+
 json to_json(const FieldReport& r) {
   return {{"resolution", r.resolution},
           {"voxel_m", r.voxel_m},
@@ -99,11 +106,13 @@ json to_json(const FieldReport& r) {
           {"jumping_blocks", r.jumping_blocks},
           {"doubtful_places", to_json(r.quality.doubtful_places)},
           {"error_samples", r.quality.error_samples},
-          {"error_largest_m", r.quality.error_largest_m},
-          {"error_rms_m", r.quality.error_rms_m},
+          {"error_largest_m", r.quality.error_samples > 0 ? json(r.quality.error_largest_m) : json()},
+          {"error_rms_m", r.quality.error_samples > 0 ? json(r.quality.error_rms_m) : json()},
           {"sign_mismatches", r.quality.sign_mismatches},
-          {"thinnest_wall_the_grid_honours_mm", 1e3 * thinnest_wall_m(r.voxel_m)},
-          {"narrowest_gap_the_grid_honours_mm", 1e3 * thinnest_wall_m(r.voxel_m)},
+          {"thinnest_wall_mm", in_mm(r.quality.thinnest_wall_m)},
+          {"narrowest_gap_mm", in_mm(r.quality.narrowest_gap_m)},
+          {"thinnest_wall_the_grid_honours_mm", 1e3 * honoured_m(r.voxel_m)},
+          {"narrowest_gap_the_grid_honours_mm", 1e3 * honoured_m(r.voxel_m)},
           {"surface_without_inside", r.quality.surface_without_inside},
           {"surface_without_outside", r.quality.surface_without_outside}};
 }
@@ -111,6 +120,7 @@ json to_json(const FieldReport& r) {
 json to_json(const ShellReport& r) {
   return {{"points", r.points},
           {"feature_points", r.feature_points},
+          {"thin_part_samples", r.thin_part_samples},
           {"area_m2", r.area_m2},
           {"volume_m3", r.volume_m3},
           {"mean_spacing_m", r.mean_spacing_m},
@@ -185,13 +195,7 @@ void write_report(const BakedFiles& files, json report, const char* part, const 
   report["peak_memory_bytes"] = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
   report["soup"] = to_json(soup.report);
   report["warnings"] = warnings;
-  const std::filesystem::path temporary = files.report.string() + "." + std::to_string(::getpid());
-  {
-    std::ofstream file(temporary);
-    file << report.dump(2) << '\n';
-    if (!file.flush()) throw SetupError(files.report.string() + ": cannot write: free some space or set cache.dir");
-  }
-  std::filesystem::rename(temporary, files.report);
+  write_whole(files.report, report.dump(2) + '\n', {.synced = true});
 }
 
 constexpr int kFewestCells = 32, kFewestUnprovenCells = 256, kMostCells = 4096;
@@ -274,21 +278,30 @@ void bake_obstacle(const SceneSpec& scene, const BakedFiles& files, std::uint64_
     warnings.push_back(name + "obstacle.field_error_mm is NOT proven: " + missing +
                        "; repair the mesh, or set sheet_thickness_m if its open parts are sheets");
   }
+  if (const auto& wall = r.quality.thinnest_wall_m; wall && *wall < r.voxel_m) {
+    warnings.push_back(name + "its thinnest wall found is " + millimetres(*wall) + ", less than a voxel of " +
+                       millimetres(r.voxel_m) + ": the field may show no inside there");
+  }
+  if (const auto& gap = r.quality.narrowest_gap_m; gap && *gap < r.voxel_m) {
+    warnings.push_back(name + "its narrowest gap found is " + millimetres(*gap) + ", less than a voxel of " +
+                       millimetres(r.voxel_m) + ": the field may show no way through");
+  }
   if (r.quality.surface_without_inside > 0.005) {
     warnings.push_back(name + percent(r.quality.surface_without_inside) +
                        " of the surface has no inside that the grid can hold: walls thinner than " +
-                       std::to_string(1e3 * r.voxel_m) + " mm, or sheets (set sheet_thickness_m)");
+                       millimetres(r.voxel_m) + ", or sheets (set sheet_thickness_m)");
   }
   if (r.quality.surface_without_outside > 0.005) {
     warnings.push_back(name + percent(r.quality.surface_without_outside) +
                        " of the surface has no outside that the grid can hold: gaps narrower than " +
-                       std::to_string(1e3 * r.voxel_m) + " mm");
+                       millimetres(r.voxel_m));
   }
   write_report(files, {{"field", to_json(r)}, {"solids", to_json(r.solids)}}, "obstacle", scene, body, key, start, soup,
                warnings);
 }
 
-void bake_tool(const SceneSpec& scene, const BakedFiles& files, std::uint64_t key, const StageProgress& progress) {
+void bake_tool(const SceneSpec& scene, double spacing_m, const BakedFiles& files, std::uint64_t key,
+               const StageProgress& progress) {
   const auto start = Clock::now();
   const BodySpec& body = scene.tool;
   if (progress && !progress("reading", 0)) throw Cancelled();
@@ -296,7 +309,7 @@ void bake_tool(const SceneSpec& scene, const BakedFiles& files, std::uint64_t ke
   ShellReport r;
   Pointshell shell;
   try {
-    shell = bake_shell(soup, {scene.points, scene.levels, body.sheet_thickness_m}, progress, r);
+    shell = bake_shell(soup, {scene.points, scene.levels, body.sheet_thickness_m, spacing_m}, progress, r);
   } catch (const SetupError& error) {
     throw SetupError(body_name(body) + ": " + error.what());
   }

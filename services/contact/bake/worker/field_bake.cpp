@@ -152,6 +152,7 @@ FieldParts bake_field(const Soup& soup, const FieldOptions& options, const Stage
   report.blocks_stored = tally.stored;
   report.bytes = parts.blocks.size() * sizeof(FieldBlock) + parts.coarse.size() * sizeof(CoarseEntry);
   report.jumping_blocks = tally.jumps;
+  report.signs.doubtful_blocks = tally.doubtful;
   report.quality = judge_field(parts, split, progress);
   return parts;
 }

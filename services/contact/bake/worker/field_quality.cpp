@@ -6,7 +6,9 @@
 #include <limits>
 #include <map>
 #include <random>
+#include <utility>
 
+#include "contact/bake/worker/opposite_face.hpp"
 #include "contact/bake/worker/parallel.hpp"
 #include "contact/bake/worker/union_find.hpp"
 
@@ -55,6 +57,26 @@ void measure_error(const FieldParts& parts, const DistanceField& field, const Sp
   report.sign_mismatches = mismatches;
 }
 
+/// A random place on a triangle.
+Vec3 place_on(const Surface& surface, std::uint32_t t, std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  double u = unit(random), v = unit(random);
+  if (u + v > 1) {
+    u = 1 - u;
+    v = 1 - v;
+  }
+  const Triangle& triangle = surface.triangle(t);
+  return surface.middle() + Vec3(triangle.corner[0]) + u * Vec3(triangle.edge[0]) - v * Vec3(triangle.edge[2]);
+}
+
+/// Not so flat that its normal is noise of the corners' rounding.
+bool has_normal(const Surface& surface, std::uint32_t t) {
+  const Triangle& triangle = surface.triangle(t);
+  double longest = 0;
+  for (const auto& edge : triangle.edge) longest = std::max(longest, Vec3(edge).norm());
+  return Vec3(triangle.normal).norm() > 1e-5 * surface.size() * longest;
+}
+
 /// Random points of the boundary that have no inside, or no outside, near them.
 void measure_thinness(const SplitSoup& split, const DistanceField& field, FieldQuality& quality) {
   std::vector<double> area;
@@ -76,15 +98,8 @@ void measure_thinness(const SplitSoup& split, const DistanceField& field, FieldQ
     const bool plate = t >= solids;
     const Surface& surface = plate ? split.sheets : split.solid;
     const Triangle& triangle = surface.triangle(plate ? t - solids : t);
-    const auto vector = [](const double* v) { return Vec3(v[0], v[1], v[2]); };
-    double u = unit(random), v = unit(random);
-    if (u + v > 1) {
-      u = 1 - u;
-      v = 1 - v;
-    }
-    const Vec3 n = vector(triangle.normal).normalized();
-    Vec3 p =
-        surface.middle() + vector(triangle.corner[0]) + u * vector(triangle.edge[0]) - v * vector(triangle.edge[2]);
+    Vec3 p = place_on(surface, plate ? t - solids : t, random);
+    const Vec3 n = Vec3(triangle.normal).normalized();
     if (plate) p += split.half_thickness_m * (unit(random) < 0.5 ? n : -n);
     bool inside = false, outside = false;
     for (const double s : {-1.5, -1.0, -0.6, -0.3, 0.3, 0.6, 1.0, 1.5}) {
@@ -97,6 +112,59 @@ void measure_thinness(const SplitSoup& split, const DistanceField& field, FieldQ
   }
   quality.surface_without_inside = static_cast<double>(no_inside) / kSamples;
   quality.surface_without_outside = static_cast<double>(no_outside) / kSamples;
+}
+
+/// The thinnest wall and the narrowest gap seen from samples: half of them anywhere by area, half spread over the
+/// triangles, so that a thin part is seen however small its share of the surface.
+void measure_walls(const SplitSoup& split, const StageProgress& progress, FieldQuality& quality) {
+  constexpr std::size_t kSamples = 8000;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::mutex mutex;
+  double wall = split.sheets.empty() ? kInfinity : 2 * split.half_thickness_m, gap = kInfinity;
+  const auto room_m = [&](const Vec3& p, const Vec3& outward) {  // to the next solid or plate
+    const double to_solid = opposite_face_m(split.solid, p, outward),
+                 to_plate = opposite_face_m(split.sheets, p, outward) - split.half_thickness_m;
+    return to_plate > 0 ? std::min(to_solid, to_plate) : to_solid;
+  };
+  const auto see = [&](const Surface& surface, auto&& look) {
+    const std::uint32_t n = surface.size_in_triangles();
+    if (n == 0) return;
+    std::vector<double> area;  // of the triangles so far
+    for (std::uint32_t t = 0; t < n; ++t) {
+      area.push_back((t > 0 ? area.back() : 0) + Vec3(surface.triangle(t).normal).norm());
+    }
+    parallel_stage("walls and gaps", kSamples, progress, [&](std::size_t i) {
+      std::mt19937 random(static_cast<unsigned>(i));
+      const double at = area.back() * std::uniform_real_distribution<double>(0, 1)(random);
+      const auto by_area =
+          std::min<std::ptrdiff_t>(std::upper_bound(area.begin(), area.end(), at) - area.begin(), n - 1);
+      const std::uint32_t t =
+          static_cast<std::uint32_t>(i % 2 == 0 ? by_area : static_cast<std::ptrdiff_t>(i * n / kSamples));
+      if (!has_normal(surface, t)) return;
+      const auto [wall_here, gap_here] =
+          look(place_on(surface, t, random), Vec3(Vec3(surface.triangle(t).normal).normalized()));
+      const std::lock_guard lock(mutex);
+      wall = std::min(wall, wall_here);
+      gap = std::min(gap, gap_here);
+    });
+  };
+  see(split.solid, [&](const Vec3& p, const Vec3& n) {
+    const double step = 2e-5 * split.solid.size();
+    const bool along = split.inside.vote(p + step * n).inside, against = split.inside.vote(p - step * n).inside;
+    if (along == against) return std::pair(kInfinity, kInfinity);  // a lone sheet, or buried
+    const Vec3 inward = along ? n : Vec3(-n);
+    return std::pair(opposite_face_m(split.solid, p, inward), room_m(p, -inward));
+  });
+  see(split.sheets, [&](const Vec3& p, const Vec3& n) {
+    double room = kInfinity;
+    for (const Vec3& outward : {n, Vec3(-n)}) {
+      const double there = room_m(p, outward) - split.half_thickness_m;
+      if (there > 0) room = std::min(room, there);
+    }
+    return std::pair(kInfinity, room);
+  });
+  if (wall < kInfinity) quality.thinnest_wall_m = wall;
+  if (gap < kInfinity) quality.narrowest_gap_m = gap;
 }
 
 std::vector<DoubtfulPlace> find_doubtful_places(const FieldParts& parts) {
@@ -145,6 +213,7 @@ FieldQuality judge_field(const FieldParts& parts, const SplitSoup& split, const 
   const DistanceField field = view_field(parts);
   measure_error(parts, field, split, progress, quality);
   measure_thinness(split, field, quality);
+  measure_walls(split, progress, quality);
   quality.doubtful_places = find_doubtful_places(parts);
   return quality;
 }

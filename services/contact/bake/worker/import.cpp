@@ -26,11 +26,18 @@ std::optional<double> metres(const std::string& unit) {
   return std::nullopt;
 }
 
-void check_extension(const std::filesystem::path& path) {
-  constexpr std::array kKnown{".obj", ".stl", ".ply", ".gltf", ".glb", ".dae", ".off"};
+std::string extension_of(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+bool is_collada(const std::filesystem::path& path) { return extension_of(path) == ".dae"; }
+
+void check_extension(const std::filesystem::path& path) {
+  constexpr std::array kKnown{".obj", ".stl", ".ply", ".gltf", ".glb", ".dae", ".off"};
+  const std::string extension = extension_of(path);
   if (std::find(kKnown.begin(), kKnown.end(), extension) == kKnown.end()) {
     refuse(path, "unknown mesh format \"" + extension + "\", expected .obj, .stl, .ply, .off, .gltf, .glb or .dae");
   }
@@ -41,13 +48,16 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& paren
               const std::filesystem::path& path, Mesh& mesh) {
   if (depth > 256) refuse(path, "parts nested deeper than 256 levels");
   const aiMatrix4x4 transform = parent * node.mTransformation;
+  const bool mirrored = transform.Determinant() < 0;  // a mirror turns the order of corners round
   for (unsigned m = 0; m < node.mNumMeshes; ++m) {
     const aiMesh& part = *scene.mMeshes[node.mMeshes[m]];
     const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
     for (unsigned v = 0; v < part.mNumVertices; ++v) {
       const aiVector3D p = transform * part.mVertices[v];
       const Vec3 metric = scale * Vec3(p.x, p.y, p.z);
-      if (!metric.allFinite()) refuse(path, "vertex " + std::to_string(v) + " is not finite");
+      if (!metric.allFinite()) {
+        refuse(path, "vertex " + std::to_string(v) + " of node \"" + node.mName.C_Str() + "\" is not finite");
+      }
       mesh.vertices.push_back(metric.cast<float>());
     }
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
@@ -57,7 +67,7 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& paren
       if (*std::max_element(t.begin(), t.end()) >= part.mNumVertices) {
         refuse(path, "face " + std::to_string(f) + " names a vertex that is not there");
       }
-      mesh.triangles.push_back({base + t[0], base + t[1], base + t[2]});
+      mesh.triangles.push_back({base + t[0], base + t[mirrored ? 2 : 1], base + t[mirrored ? 1 : 2]});
     }
   }
   for (unsigned c = 0; c < node.mNumChildren; ++c) {
@@ -81,11 +91,14 @@ Mesh import_mesh(const std::filesystem::path& path, const std::string& unit) {
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // the file's own axes
-  importer.SetPropertyBool("IMPORT_COLLADA_IGNORE_UNIT_SIZE", true);             // the caller states the unit
   const aiScene* scene = importer.ReadFile(path.string(), aiProcess_Triangulate | aiProcess_SortByPType);
   if (scene == nullptr) refuse(path, std::string("cannot read the mesh: ") + importer.GetErrorString());
   Mesh mesh;
-  if (scene->mRootNode != nullptr) add_node(*scene, *scene->mRootNode, aiMatrix4x4(), *scale, 0, path, mesh);
+  if (aiNode* root = scene->mRootNode; root != nullptr) {
+    // The root of a COLLADA scene holds the file's unit and nothing else: the caller states the unit.
+    if (is_collada(path)) root->mTransformation = aiMatrix4x4();
+    add_node(*scene, *root, aiMatrix4x4(), *scale, 0, path, mesh);
+  }
   if (mesh.triangles.empty()) refuse(path, "the mesh has no triangles");
 
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;

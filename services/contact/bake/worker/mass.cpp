@@ -55,10 +55,8 @@ MassProperties mass_properties(const Soup& soup, const SplitSoup& split, const S
     if (inside[i]) points.push_back(at(i));
   }
   if (points.size() >= 50) return of_points(points, cell);
-  std::vector<Vec3> surface;
-  for (std::size_t i = 0; i < samples.position.size(); ++i) {
-    if (!samples.on_feature[i]) surface.push_back(samples.position[i]);
-  }
+  const auto by_area = samples.position.begin() + static_cast<std::ptrdiff_t>(samples.by_area);
+  const std::vector<Vec3> surface(samples.position.begin(), by_area);
   return of_points(surface.empty() ? samples.position : surface, 0);
 }
 

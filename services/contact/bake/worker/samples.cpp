@@ -5,7 +5,9 @@
 #include <map>
 #include <random>
 
+#include "contact/bake/worker/opposite_face.hpp"
 #include "contact/bake/worker/parallel.hpp"
+#include "contact/bake/worker/point_grid.hpp"
 
 namespace tact::contact {
 namespace {
@@ -129,6 +131,70 @@ std::vector<FeaturePlace> feature_places(const Soup& soup, bool skip_open, doubl
   return places;
 }
 
+/// A place on a part `thickness_m` thick, moved outward until the part would be `spacing_m` thick.
+Vec3 moved_apart(const Vec3& p, const Vec3& inward, double thickness_m, double spacing_m) {
+  return p - 0.5 * std::max(0.0, spacing_m - thickness_m) * inward;
+}
+
+/// A wire has hardly any area, so samples by area may miss it, or one side of it: asks along each triangle's length,
+/// and adds a sample wherever the part is thinner than the spacing and none lies within half of it, both sides moved
+/// apart.
+void add_thin_parts(const Soup& soup, const SplitSoup& split, double spacing_m, const StageProgress& progress,
+                    SurfaceSamples& samples) {
+  struct Place {
+    Vec3 p, n, apart = Vec3::Zero();
+    bool good = false;
+  };
+  std::vector<Place> places;
+  for (std::size_t t = 0; t < soup.mesh.triangles.size(); ++t) {
+    if (soup.open[t]) continue;  // of a sheet, which has area
+    const Corners c = corners_of(soup.mesh, t);
+    const Vec3 corner[3] = {c.a, c.b, c.c};
+    int tip = 0;  // across from the shortest side
+    const auto side = [&](int k) { return (corner[(k + 1) % 3] - corner[(k + 2) % 3]).squaredNorm(); };
+    for (int k = 1; k < 3; ++k) tip = side(k) < side(tip) ? k : tip;
+    const Vec3 foot = 0.5 * (corner[(tip + 1) % 3] + corner[(tip + 2) % 3]), along = corner[tip] - foot;
+    if (side(tip) > spacing_m * spacing_m) continue;  // wide enough to have samples by area
+    const int pieces = static_cast<int>(std::min(1e6, std::ceil(along.norm() / (0.5 * spacing_m))));
+    for (int k = 0; k < pieces; ++k) places.push_back({foot + (k + 0.5) / pieces * along, c.normal()});
+  }
+  parallel_stage("thin parts", places.size(), progress, [&](std::size_t i) {
+    Place& place = places[i];
+    // Thin whichever side is inside? Few are; only they are asked which.
+    const double ahead = opposite_face_m(split.solid, place.p, place.n, spacing_m),
+                 behind = opposite_face_m(split.solid, place.p, -place.n, spacing_m);
+    if (!(std::min(ahead, behind) < spacing_m)) return;
+    const Side inside = side_of(split, place.p, place.n);
+    if (inside != Side::along_normal && inside != Side::against_normal) return;
+    if (inside == Side::against_normal) place.n *= -1;
+    const double thickness = inside == Side::along_normal ? ahead : behind;
+    place.apart = moved_apart(place.p, place.n, thickness, spacing_m);
+    place.good = thickness < spacing_m;
+  });
+  std::vector<Vec3> apart;
+  for (const Place& place : places) {
+    if (place.good) apart.push_back(place.apart);
+  }
+  const double reach = 0.5 * spacing_m;
+  const PointGrid sampled(samples.apart, spacing_m), asked(apart, reach);
+  std::vector<std::uint8_t> covered(apart.size(), 0);
+  std::size_t at = 0;
+  std::vector<Vec3> added;
+  for (const Place& place : places) {
+    if (!place.good) continue;
+    const std::size_t i = at++;
+    if (covered[i] == 0) sampled.within(place.apart, reach, [&](std::uint32_t, double) { covered[i] = 1; });
+    if (covered[i] != 0) continue;
+    asked.within(place.apart, reach, [&](std::uint32_t k, double) { covered[k] = 1; });
+    added.push_back(place.apart);
+    samples.position.push_back(place.p);
+    samples.normal.push_back(place.n);
+    samples.on_feature.push_back(0);
+  }
+  samples.on_thin_parts = added.size();
+  samples.apart.insert(samples.apart.end(), added.begin(), added.end());
+}
+
 }  // namespace
 
 double area_of(const Mesh& mesh) {
@@ -144,7 +210,12 @@ double packing_spacing(double area_m2, std::size_t count) {
   return std::sqrt(2 * area_m2 / (std::sqrt(3.0) * static_cast<double>(count)));
 }
 
-SurfaceSamples sample_surface(const Soup& soup, const SplitSoup& split, std::size_t count, double feature_spacing_m,
+std::size_t packing_count(double area_m2, double spacing_m) {
+  const double count = 2 * area_m2 / (std::sqrt(3.0) * spacing_m * spacing_m);
+  return static_cast<std::size_t>(std::llround(std::min(count, 1e15)));
+}
+
+SurfaceSamples sample_surface(const Soup& soup, const SplitSoup& split, std::size_t count, double spacing_m,
                               const StageProgress& progress) {
   const Mesh& mesh = soup.mesh;
   const bool plates = !split.sheets.empty();
@@ -157,7 +228,7 @@ SurfaceSamples sample_surface(const Soup& soup, const SplitSoup& split, std::siz
   std::mt19937_64 random(20261122);
   std::uniform_real_distribution<double> unit(0, 1);
   struct Candidate {
-    Vec3 p, n;
+    Vec3 p, n, apart = Vec3::Zero();
     bool keep = false, lone = false;
   };
   std::vector<Candidate> candidates(count);
@@ -182,6 +253,7 @@ SurfaceSamples sample_surface(const Soup& soup, const SplitSoup& split, std::siz
     Candidate& c = candidates[i];
     if (on_plate[i]) {
       c.keep = !split.inside.vote(c.p).inside;
+      c.apart = moved_apart(c.p, c.n, 2 * split.half_thickness_m, spacing_m);
       return;
     }
     const Side side = side_of(split, c.p, c.n);
@@ -192,6 +264,8 @@ SurfaceSamples sample_surface(const Soup& soup, const SplitSoup& split, std::siz
       const double reach = split.half_thickness_m * (1 - 1e-4);
       c.keep = !(split.sheets.distance(c.p, split.half_thickness_m) < reach);
     }
+    if (c.keep)
+      c.apart = c.lone ? c.p : moved_apart(c.p, c.n, opposite_face_m(split.solid, c.p, c.n, spacing_m), spacing_m);
   });
 
   SurfaceSamples samples;
@@ -202,13 +276,16 @@ SurfaceSamples sample_surface(const Soup& soup, const SplitSoup& split, std::siz
     }
     samples.no_inside += c.lone ? 1 : 0;
     samples.position.push_back(c.p);
+    samples.apart.push_back(c.apart);
     samples.normal.push_back(c.n);
     samples.on_feature.push_back(0);
   }
+  samples.by_area = samples.position.size();
   const double total = 0.5 * std::accumulate(area.begin(), area.end(), 0.0);
   samples.area_m2 = total * static_cast<double>(samples.position.size()) / static_cast<double>(count);
 
-  const std::vector<FeaturePlace> places = feature_places(soup, plates, feature_spacing_m);
+  add_thin_parts(soup, split, spacing_m, progress, samples);
+  const std::vector<FeaturePlace> places = feature_places(soup, plates, spacing_m);
   std::vector<Vec3> normals(places.size());
   std::vector<std::uint8_t> good(places.size(), 0);
   parallel_stage("sharp edges", places.size(), progress,
@@ -216,6 +293,7 @@ SurfaceSamples sample_surface(const Soup& soup, const SplitSoup& split, std::siz
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (!good[i]) continue;
     samples.position.push_back(places[i].position);
+    samples.apart.push_back(places[i].position);
     samples.normal.push_back(normals[i]);
     samples.on_feature.push_back(1);
   }

@@ -8,13 +8,14 @@ struct ShellOptions {
   int points = 10000;
   int levels = 7;
   double sheet_thickness_m = 0;
+  double spacing_m = 0;  ///< > 0: as many points as lie this far apart on average (100 to 1000000), instead of `points`
 };
 
 struct ShellReport {
-  std::size_t points = 0, feature_points = 0;
+  std::size_t points = 0, feature_points = 0, thin_part_samples = 0;
   double area_m2 = 0, volume_m3 = 0;
   double mean_spacing_m = 0;  ///< of ideal packing
-  double largest_gap_m = 0;   ///< from any place of the exposed surface to the nearest point
+  double largest_gap_m = 0;   ///< from any place of the exposed surface to the nearest point on its side
   std::size_t buried_samples = 0, samples_without_inside = 0, samples = 0;
   std::vector<std::size_t> level_sizes;
   SolidReport solids;
