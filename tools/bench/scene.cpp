@@ -34,8 +34,7 @@ LoadedScene load_scene_by_name(const std::string& name, const std::function<void
     if (!told) std::fprintf(stderr, "tact-bench: baking %s (kept in the cache)\n", name.c_str());
     return told = true;
   });
-  scene.field = DistanceField::open(baked.obstacle.data, baked.obstacle.hash);
-  scene.shell = std::make_shared<const contact::Pointshell>(contact::load_pointshell(baked.tool.data, baked.tool.hash));
+  static_cast<lockstep::Bodies&>(scene) = lockstep::open_bodies(baked);
   scene.obstacle_O = load_mesh(baked.obstacle.mesh);
   scene.tool_M = load_mesh(baked.tool.mesh);
   return scene;

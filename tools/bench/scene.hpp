@@ -6,16 +6,15 @@
 #include <vector>
 
 #include "contact/pipeline/contact_pipeline.hpp"
+#include "lockstep/bodies.hpp"
 #include "mesh/mesh.hpp"
 #include "session/session.hpp"
 
 namespace tact::bench {
 
 /// A scene as the contact server holds it, and its cleaned meshes for those who work on triangles.
-struct LoadedScene {
+struct LoadedScene : lockstep::Bodies {
   SceneSpec spec;
-  DistanceField field;
-  std::shared_ptr<const contact::Pointshell> shell;
   Mesh obstacle_O, tool_M;
 
   std::unique_ptr<contact::ContactPipeline> pipeline(const std::string& law = {}) const;

@@ -24,6 +24,14 @@ struct LatencyOptions {
 };
 /// Exit code 3 when the bar against cyclictest is missed.
 int latency(const LatencyOptions& options);
+/// The session in lockstep, on a clock that counts ticks.
+struct ExperimentOptions {
+  int delay_ticks = 0;        ///< of every reply, beyond the one tick it takes
+  std::string replies;        ///< 1 arrives, 0 is lost; repeated
+  std::filesystem::path csv;  ///< every tick; empty: none
+  bool json = false;
+};
+int experiment(const RunOptions& options, const ExperimentOptions& more);
 /// Becomes the program tact-bench; returns never.
 int bench(const std::vector<std::string>& arguments);
 

@@ -31,12 +31,14 @@ constexpr ShortOption kSessionOptions[] = {
     {"--resolution", "obstacle.field_cells", "Cells of the distance field along the obstacle's longest side"},
     {"--points", "tool.points", "Points of the tool's pointshell"},
 };
-constexpr ShortOption kRunOptions[] = {
+constexpr ShortOption kPlayOptions[] = {
     {"--script", "run.script", "Hand motion of the scene to play (see tact scenes)"},
     {"--hand", "run.hand", "Your own hand motion: CSV time_s,x_m,y_m,z_m,qw,qx,qy,qz; its last pose is the goal"},
+    {"--report", "run.report", "Write the session report as JSON"},
+};
+constexpr ShortOption kRunOptions[] = {
     {"--for", "run.for_s", "End by itself after this time in contact service: 20s, 2min"},
-    {"--report", "run.report", "Write the session report as JSON, and its plot beside it"},
-    {"--plot", "run.plot", "Where to draw the plot (PNG)"},
+    {"--plot", "run.plot", "Where to draw the plot (PNG; default: beside the report)"},
     {"--record", "run.record", "Write every tick of the device loop there, for tact replay, tact plot, playback"},
 };
 
@@ -72,6 +74,7 @@ void add_session_options(CLI::App& command, tact::cli::RunOptions& o) {
 void add_run(CLI::App& app, tact::cli::RunOptions& o, std::function<void()> action) {
   auto* run = app.add_subcommand("run", "Run a session: contact server, coupling, view");
   add_session_options(*run, o);
+  for (const ShortOption& s : kPlayOptions) add_short_option(*run, o, s);
   for (const ShortOption& s : kRunOptions) add_short_option(*run, o, s);
   run->add_option("--session", o.session, "Name of the session (default: the scene's name and a random number)");
   run->add_option("--write-session", o.write_session, "Write the session file (for the systemd units) and do not run");
@@ -121,6 +124,26 @@ int run_tact(int argc, char** argv) {
   bake->footer(
       "Examples:\n  tact bake alpha\n  tact bake --obstacle housing.glb --tool pump.stl --unit mm --resolution 512");
   bake->callback([&] { code = tact::cli::bake(bake_options, json); });
+
+  tact::cli::RunOptions experiment_options;
+  tact::cli::ExperimentOptions experiment;
+  auto* lockstep = app.add_subcommand(
+      "experiment", "Play a script in one thread on a clock that counts ticks: the same numbers every time");
+  add_session_options(*lockstep, experiment_options);
+  for (const ShortOption& s : kPlayOptions) add_short_option(*lockstep, experiment_options, s);
+  lockstep->add_option("--delay", experiment.delay_ticks, "Ticks every reply of the contact server comes late");
+  lockstep->add_option("--replies", experiment.replies, "Which replies arrive, repeated: 110 loses every third");
+  lockstep->add_option("--csv", experiment.csv, "Write every tick to this file");
+  lockstep->add_flag("--json", json, "The session report as JSON");
+  lockstep->footer(
+      "Device, coupling loop and contact server are those of tact run; DDS, threads and real time are left out.\n"
+      "Examples:\n"
+      "  tact experiment cone --script insert --law adaptive-6dof --set contact.force_along=normal\n"
+      "  tact experiment peg --script press --stiffness 200000 --delay 3 --csv peg.csv");
+  lockstep->callback([&] {
+    experiment.json = json;
+    code = tact::cli::experiment(experiment_options, experiment);
+  });
 
   auto* scenes = app.add_subcommand("scenes", "List the scenes that come with Tact, and their scripts");
   scenes->add_flag("--json", json, "As JSON");

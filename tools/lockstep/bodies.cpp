@@ -72,8 +72,9 @@ AnalyticScene flat_face(int points) {
 AnalyticScene ball_on_plane(int points) {
   constexpr double kRadius_m = 0.02;
   std::vector<Vec3> position, normal;
+  constexpr double kTop = -0.8;       // of the points, in radii: what can touch while the ball hardly turns
   for (int i = 0; i < points; ++i) {  // Fibonacci
-    const double z = 1 - (2 * i + 1.0) / points, r = std::sqrt(1 - z * z);
+    const double z = -1 + (kTop + 1) * (i + 0.5) / points, r = std::sqrt(1 - z * z);
     const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
     normal.emplace_back(-r * std::cos(angle), -r * std::sin(angle), -z);
     position.push_back(-kRadius_m * normal.back());

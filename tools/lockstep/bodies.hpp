@@ -27,7 +27,7 @@ struct AnalyticScene {
 
 /// A square foot of `points` points at equal distances, 40 mm wide, on the half-space z < 0. A voxel is 1 mm.
 AnalyticScene flat_face(int points);
-/// A ball of 20 mm radius on the half-space: no contact has a lever, so none makes a torque.
+/// The lower part of a ball of 20 mm radius on the half-space: no contact has a lever, so none makes a torque.
 AnalyticScene ball_on_plane(int points);
 /// A flat foot across three parallel wires, each two voxels thick.
 AnalyticScene foot_on_wires(int points);

@@ -99,6 +99,7 @@ bool Lockstep::run_script(double hold_s, const std::function<void(const TickTrac
     tick();
     if (each) each(trace_);
   };
+  if (ticks_ == 0) one();
   while (!trace_.script_done && status_.script_time_s >= 0) {
     one();
     waited_s = trace_.live ? 0 : waited_s + 1 / config_.rate_hz;

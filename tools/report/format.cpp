@@ -119,8 +119,9 @@ std::string to_table(const SessionReport& r) {
   out += text(", law %s at %.0f N/m, saturation %s\n", r.law.c_str(), r.stiffness_n_per_m, r.saturation ? "on" : "off");
   out += row("device", r.device + ", " + r.mode + text(", %.0f Hz", r.rate_hz));
   out += row("transport", r.transport == "shm"
-                              ? std::string("shared memory, ") + (r.shared_memory_proven ? "proven" : "not proven")
-                              : "UDP on loopback");
+                              ? std::string("shared memory, ") + (r.shared_memory_proven ? "" : "not ") + "proven"
+                          : r.transport == "udp" ? "UDP on loopback"
+                                                 : "none: one thread, a clock that counts ticks");
   out += row("duration, ticks",
              text("%.1f s, ", r.duration_s) + count(s.ticks) + " (" + count(s.missed_ticks) + " missed)");
   out += row("wrench",

@@ -132,7 +132,7 @@ TEST(Lockstep, LostRepliesAreBridgedAndCounted) {
 }
 
 TEST(Lockstep, ABallOnAPlaneHasNoTorqueAndTheFootOnWiresOnlyTouchesThem) {
-  Experiment ball = setup_of(ball_on_plane(20000));
+  Experiment ball = setup_of(ball_on_plane(2000));
   Lockstep rolling(ball);
   ASSERT_TRUE(rolling.run_script());
   EXPECT_GT(rolling.trace().contact_count, 3u);
