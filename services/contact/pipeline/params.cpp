@@ -39,6 +39,9 @@ PipelineParams pipeline_params(const ContactSpec& spec, double voxel_m, double m
   out.law_params.reach_deg = spec.reach_deg;
   out.law_params.directions = spec.directions;
   out.law_params.lever_floor_m = voxel_m;
+  out.law_params.lever_unit_m = spec.lever_unit_m;
+  out.law_params.cluster_radius_m = spec.cluster_voxels * voxel_m;
+  out.law_params.cluster_law = spec.cluster_law;
   out.x_max_m = spec.x_max_voxels * voxel_m;
   out.stiffness_n_per_m = spec.stiffness_n_per_m > 0 ? spec.stiffness_n_per_m : spec.f_max_n / out.x_max_m;
   out.damping_n_s_per_m = 2 * spec.damping_ratio * std::sqrt(out.stiffness_n_per_m * mass_kg);
