@@ -90,7 +90,7 @@ Keys body_keys(BodySpec& body, const std::filesystem::path& base) {
 
 Keys contact_keys(ContactSpec& c) {
   return {choice("law", c.law, {"none", "global", "cluster", "adaptive-3dof", "adaptive-6dof", "potential"}),
-          choice("force_along", c.force_along, {"gradient", "normal"}),
+          choice("force_along", c.force_along, {"gradient", "held", "normal"}),
           number("stiffness_n_per_m", c.stiffness_n_per_m, 0, 1e6, "N/m; 0: f_max_n over x_max"),
           number("f_max_n", c.f_max_n, 0.01, 200, "N"),
           number("x_max_voxels", c.x_max_voxels, 0.05, 4, "voxels"),

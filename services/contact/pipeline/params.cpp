@@ -26,11 +26,12 @@ PipelineParams pipeline_params(const ContactSpec& spec, double voxel_m, double m
           "0 (f_max_n / x_max) or more");
   require(finite(spec.f_max_n) && spec.f_max_n > 0, "f_max_n", spec.f_max_n, "more than 0");
   require(finite(spec.damping_ratio) && spec.damping_ratio >= 0, "damping_ratio", spec.damping_ratio, "0 or more");
-  if (spec.force_along != "gradient" && spec.force_along != "normal") {
-    throw SetupError("contact.force_along: found \"" + spec.force_along + "\", expected gradient or normal");
+  if (spec.force_along != "gradient" && spec.force_along != "held" && spec.force_along != "normal") {
+    throw SetupError("contact.force_along: found \"" + spec.force_along + "\", expected gradient, held or normal");
   }
   PipelineParams out;
   out.force_along = spec.force_along == "normal" ? ForceDirection::normal : ForceDirection::gradient;
+  out.hold_thin_parts = spec.force_along == "held";
   out.law = spec.law;
   out.law_params.epsilon = spec.epsilon;
   out.law_params.n0 = spec.n0;
