@@ -89,14 +89,17 @@ Keys body_keys(BodySpec& body, const std::filesystem::path& base) {
 }
 
 Keys contact_keys(ContactSpec& c) {
-  return {choice("law", c.law, {"none", "global", "adaptive-3dof", "adaptive-6dof", "potential"}),
-          choice("force_along", c.force_along, {"gradient", "normal"}),
+  return {choice("law", c.law, {"none", "global", "cluster", "adaptive-3dof", "adaptive-6dof", "potential"}),
+          choice("force_along", c.force_along, {"gradient", "held", "normal"}),
           number("stiffness_n_per_m", c.stiffness_n_per_m, 0, 1e6, "N/m; 0: f_max_n over x_max"),
           number("f_max_n", c.f_max_n, 0.01, 200, "N"),
           number("x_max_voxels", c.x_max_voxels, 0.05, 4, "voxels"),
           number("damping_ratio", c.damping_ratio, 0, 2, "of critical"),
           number("epsilon", c.epsilon, 1e-6, 0.5, ""),
           integer("n0", c.n0, 1, 1000000),
+          number("lever_unit_m", c.lever_unit_m, 0, kFar_m, "m; 0: unit torque directions"),
+          number("cluster_voxels", c.cluster_voxels, 0.01, 4, "voxels"),
+          choice("cluster_law", c.cluster_law, {"none", "global", "adaptive-3dof", "adaptive-6dof", "potential"}),
           number("p", c.p, 2, 64, ""),
           number("q", c.q, 1, 64, ""),
           number("reach_deg", c.reach_deg, 5, 180, "degrees"),

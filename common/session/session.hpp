@@ -20,7 +20,7 @@ struct BodySpec {
 };
 
 struct ContactSpec {
-  std::string law = "potential";  ///< none global adaptive-3dof adaptive-6dof potential
+  std::string law = "potential";  ///< none global cluster adaptive-3dof adaptive-6dof potential
   /// "gradient": forces along the field's gradient, conservative. "normal": along the point's normal, [P] eq. 1.
   std::string force_along = "gradient";
   double stiffness_n_per_m = 0;  ///< k; 0: f_max_n / x_max_m. Above 0 it holds, and F_max = k x_max
@@ -29,7 +29,10 @@ struct ContactSpec {
   double damping_ratio = 0;  ///< contact damping, fraction of critical at the tool's mass
   double epsilon = 0.01;     ///< eq. 6
   int n0 = 10;               ///< eq. 2
-  double p = 16, q = 8;      ///< potential
+  double lever_unit_m = 0;   ///< adaptive-6dof: 0: eq. 10; else eq. 13, r x N over this
+  double cluster_voxels = 0.5;
+  std::string cluster_law = "adaptive-6dof";  ///< weighs the clusters: any law but cluster
+  double p = 16, q = 8;                       ///< potential
   double reach_deg = 60;
   int directions = 64;
   int capacity = 16384;

@@ -21,7 +21,7 @@ constexpr ShortOption kSessionOptions[] = {
     {"--recording", "device.recording", "Playback: the recording whose hand is played"},
     {"--events", "device.events", "Simulated: CSV of faults and grips, time_s,event,duration_s"},
     {"--mode", "device.mode", "pseudo-admittance or impedance"},
-    {"--law", "contact.law", "none, global, adaptive-3dof, adaptive-6dof or potential"},
+    {"--law", "contact.law", "none, global, cluster, adaptive-3dof, adaptive-6dof or potential"},
     {"--stiffness", "contact.stiffness_n_per_m", "Contact stiffness k in N/m"},
     {"--saturation", "coupling.saturation", "on or off: cap the virtual coupling at F_max"},
     {"--rate", "device.rate_hz", "Ticks per second of the device loop"},

@@ -1,5 +1,7 @@
 #include "contact/pipeline/contact_pipeline.hpp"
 
+#include <algorithm>
+
 namespace tact::contact {
 namespace {
 
@@ -18,7 +20,10 @@ bool is_valid(const ToolQuery& q) noexcept {
 
 ContactPipeline::ContactPipeline(DistanceField field, std::shared_ptr<const Pointshell> shell, std::size_t capacity,
                                  const PipelineParams& params)
-    : traversal_(std::move(field), std::move(shell)), contacts_(capacity), setup_(make_setup(params)) {}
+    : traversal_(std::move(field), std::move(shell)),
+      contacts_(capacity),
+      sides_(traversal_.shell().size()),
+      setup_(make_setup(params)) {}
 
 std::unique_ptr<ContactPipeline::Setup> ContactPipeline::make_setup(const PipelineParams& params) const {
   auto law = make_law(params.law, params.law_params, traversal_.shell(), contacts_.capacity());
@@ -31,12 +36,18 @@ const ContactResult& ContactPipeline::step(const ToolQuery& query) noexcept {
   Setup& setup = setup_.current();
   if (!is_valid(query)) return refuse(query, setup.params);
   const Pose X_WO{query.X_WO.p, query.X_WO.q.normalized()};
+  const Twist V_O = relative_twist_O(query, X_WO.q);
+  if (!V_O.vector().allFinite()) return refuse(query, setup.params);  // numbers so large that their product is not one
 
-  const Findings found = traversal_.find(X_WO.inverse() * query.X_WT, contacts_);
+  const Pose X_OT = X_WO.inverse() * query.X_WT;
+  Findings found = traversal_.find(X_OT, contacts_);
+  if (setup.params.hold_thin_parts) {
+    found.max_depth_m = std::max(found.max_depth_m, sides_.hold(traversal_.field(), X_OT.p, contacts_));
+  }
   contacts_.force_along = setup.params.force_along;
   setup.law->weigh(contacts_);
-  const Response response_O = assemble(contacts_, *setup.law, setup.params.stiffness_n_per_m,
-                                       setup.params.damping_n_s_per_m, relative_twist_O(query, X_WO.q));
+  const Response response_O =
+      assemble(contacts_, *setup.law, setup.params.stiffness_n_per_m, setup.params.damping_n_s_per_m, V_O);
   return report(query, setup.params, found, rotated(response_O, X_WO.R()));
 }
 

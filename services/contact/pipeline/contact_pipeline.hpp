@@ -4,6 +4,7 @@
 
 #include "contact/pipeline/handover.hpp"
 #include "contact/pipeline/params.hpp"
+#include "contact/pipeline/side_memory.hpp"
 #include "contact/response/assemble.hpp"
 #include "contact/stiffness/law.hpp"
 #include "contact/traversal/traversal.hpp"
@@ -24,7 +25,7 @@ struct ContactResult {
   Response response_W;            ///< F, G, K, B, see assemble.hpp
   std::size_t contact_count = 0;  ///< contacts rendered
   std::size_t dropped = 0;        ///< contacts beyond capacity
-  double max_depth_m = 0;         ///< deepest shell point
+  double max_depth_m = 0;         ///< deepest shell point; of held ones the depth that is held
   double clearance_m = 0;         ///< no shell point is nearer the surface; 0 in contact
   double stiffness_n_per_m = 0;   ///< k in force
   double x_max_m = 0;             ///< F_max = k x_max
@@ -32,7 +33,8 @@ struct ContactResult {
   std::uint32_t status = 0;  ///< Status bits
 };
 
-/// From pose to wrench: traverse, weigh, assemble. One thread steps; any other one changes parameters.
+/// From pose to wrench: traverse, weigh, assemble. With force_along = "held" the answer depends on the poses before.
+/// One thread steps; any other one changes parameters.
 class ContactPipeline {
  public:
   /// Allocates everything. `capacity`: most contacts rendered at once. Throws SetupError as make_law does.
@@ -62,6 +64,7 @@ class ContactPipeline {
 
   Traversal traversal_;
   ContactBuffer contacts_;
+  SideMemory sides_;
   Handover<Setup> setup_;
   ContactResult result_;
 };

@@ -12,6 +12,7 @@ struct PipelineParams {
   std::string law = "potential";
   LawParams law_params;
   ForceDirection force_along = ForceDirection::gradient;
+  bool hold_thin_parts = false;  ///< see SideMemory
   double stiffness_n_per_m = 0;  ///< k of a lonely contact
   double x_max_m = 0;            ///< depth at which coupling saturates: F_max = k x_max, eq. 15
   double damping_n_s_per_m = 0;  ///< b of a lonely contact

@@ -12,11 +12,11 @@ std::vector<Vec3> normals(const Pointshell& shell) {
   return out;
 }
 
-std::vector<Vec3> torque_directions(const Pointshell& shell, double lever_floor_m) {
+std::vector<Vec3> torque_directions(const Pointshell& shell, double lever_floor_m, double lever_unit_m) {
   std::vector<Vec3> out(shell.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
     const Vec3 lever = shell.position_T[i].cast<double>().cross(shell.normal_T[i].cast<double>());
-    out[i] = lever / std::max(lever.norm(), lever_floor_m);
+    out[i] = lever / (lever_unit_m > 0 ? lever_unit_m : std::max(lever.norm(), lever_floor_m));
   }
   return out;
 }
@@ -36,8 +36,8 @@ void Adaptive3Dof::weigh(ContactBuffer& contacts) noexcept {
   invert(contacts, 1.0);
 }
 
-Adaptive6Dof::Adaptive6Dof(const Pointshell& shell, double epsilon, double lever_floor_m)
-    : normals_(normals(shell), epsilon), torques_(torque_directions(shell, lever_floor_m), epsilon) {}
+Adaptive6Dof::Adaptive6Dof(const Pointshell& shell, double epsilon, double lever_floor_m, double lever_unit_m)
+    : normals_(normals(shell), epsilon), torques_(torque_directions(shell, lever_floor_m, lever_unit_m), epsilon) {}
 
 void Adaptive6Dof::weigh(ContactBuffer& contacts) noexcept {
   std::fill_n(contacts.weight.begin(), contacts.size, 0.0);

@@ -21,10 +21,11 @@ class Adaptive3Dof final : public Law {
 ///
 /// T = r x N / max(|r x N|, lever_floor_m). [P] eq. 10 is undefined where r x N = 0; here T fades continuously from the
 /// sphere to its centre, so contacts without torque count as alike, and neighbours with tiny levers do not get
-/// unrelated directions.
+/// unrelated directions. With lever_unit_m > 0, [P] eq. 13: T = r x N / lever_unit_m, so that contacts of equal torque
+/// direction and different lever are told apart; the floor is not needed then.
 class Adaptive6Dof final : public Law {
  public:
-  Adaptive6Dof(const Pointshell& shell, double epsilon, double lever_floor_m);
+  Adaptive6Dof(const Pointshell& shell, double epsilon, double lever_floor_m, double lever_unit_m = 0);
   void weigh(ContactBuffer& contacts) noexcept override;
 
  private:

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "contact/stiffness/adaptive.hpp"
+#include "contact/stiffness/cluster.hpp"
 #include "contact/stiffness/potential.hpp"
 #include "contact/stiffness/uniform.hpp"
 #include "fault/fault.hpp"
@@ -12,7 +13,8 @@
 namespace tact::contact {
 namespace {
 
-constexpr std::array<std::string_view, 5> kNames = {"none", "global", "adaptive-3dof", "adaptive-6dof", "potential"};
+constexpr std::array<std::string_view, 6> kNames = {"none",          "global",        "cluster",
+                                                    "adaptive-3dof", "adaptive-6dof", "potential"};
 
 void require(bool ok, const char* key, double found, const char* expected) {
   if (ok) return;
@@ -37,7 +39,22 @@ std::unique_ptr<Law> make_law(std::string_view name, const LawParams& params, co
     require(params.epsilon >= 1e-4 && params.epsilon <= 2, "epsilon", params.epsilon, "1e-4 to 2");
     require(params.lever_floor_m > 0, "lever_floor_m", params.lever_floor_m, "more than 0");
     if (name == "adaptive-3dof") return std::make_unique<Adaptive3Dof>(shell, params.epsilon);
-    return std::make_unique<Adaptive6Dof>(shell, params.epsilon, params.lever_floor_m);
+    if (params.lever_unit_m > 0) {
+      // What is farther than that is divided into cells whose number would overflow.
+      require(params.lever_unit_m >= 1e-4 * shell.bounding_radius_m, "lever_unit_m", params.lever_unit_m,
+              "0, or the tool's radius over 10000 or more");
+    } else {
+      require(params.lever_unit_m == 0, "lever_unit_m", params.lever_unit_m, "0 (unit torque directions) or more");
+    }
+    return std::make_unique<Adaptive6Dof>(shell, params.epsilon, params.lever_floor_m, params.lever_unit_m);
+  }
+  if (name == "cluster") {
+    require(params.cluster_radius_m > 0, "cluster_voxels", params.cluster_radius_m, "more than 0");
+    if (params.cluster_law == "cluster") {
+      throw SetupError("contact.cluster_law: found \"cluster\", expected another law, to weigh the clusters");
+    }
+    return std::make_unique<Cluster>(shell, params.cluster_radius_m, capacity,
+                                     make_law(params.cluster_law, params, shell, capacity));
   }
   if (name == "potential") {
     require(params.p >= 2 && params.p <= 64, "p", params.p, "2 to 64");

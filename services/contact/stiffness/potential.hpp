@@ -11,9 +11,9 @@ namespace tact::contact {
 ///   E = (k/2) sum_u A_u^(2/p),   A_u = sum_i beta_iu (gamma_i depth_i)^p,
 ///   beta_iu = max(0, (n_i.u - cos reach) / (1 - cos reach))^q,   gamma_i^-2 = sum_u beta_iu^(2/p)
 ///   w_i = gamma_i^2 sum_u beta_iu ((gamma_i depth_i)^p / A_u)^((p-2)/p)   in (0, 1]
-/// over directions u spread on the sphere (Fibonacci points). gamma makes the weight of a lonely contact exactly 1.
-/// Contacts whose normals are more than 2 reach apart know nothing of each other: faces that oppose each other do not
-/// share one stiffness.
+/// over directions u spread on the sphere (Fibonacci points); beta below 1e-30 counts as 0. gamma makes the weight of a
+/// lonely contact exactly 1. Contacts whose normals are more than 2 reach apart know nothing of each other: faces that
+/// oppose each other do not share one stiffness.
 ///
 /// The u are fixed to the *tool*, so beta_iu are constants of the shell, kept per distinct normal: E depends on the
 /// pose through the depths alone, and its Hessian in the depths is the whole weight derivative. With forces along the

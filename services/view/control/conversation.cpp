@@ -29,7 +29,7 @@ void Conversation::joined(std::uint64_t client, bool may_control) {
   Json hello{{"type", "hello"},
              {"you", client},
              {"control", may_control},
-             {"laws", {"none", "global", "adaptive-3dof", "adaptive-6dof", "potential"}},
+             {"laws", {"none", "global", "cluster", "adaptive-3dof", "adaptive-6dof", "potential"}},
              {"holder", holder()}};
   send_(client, hello.dump());
 }

@@ -34,7 +34,7 @@ TEST(SceneKey, TextSetsEveryKindOfValue) {
 TEST(SceneKey, RefusedTextChangesNothingAndSaysWhatIsExpected) {
   SceneSpec scene;
   EXPECT_EQ(setup_error([&] { set_scene_key(scene, "contact.law", "globl"); }),
-            "contact.law: found \"globl\", expected one of none global adaptive-3dof adaptive-6dof potential");
+            "contact.law: found \"globl\", expected one of none global cluster adaptive-3dof adaptive-6dof potential");
   EXPECT_EQ(setup_error([&] { set_scene_key(scene, "tool.points", "-3"); }),
             "tool.points: found \"-3\", expected a whole number from 100 to 1000000");
   for (const char* bad : {"", "x", "nan", "inf", "1e9", "-1", "5 N", "0x10"}) {

@@ -44,6 +44,9 @@ Session full_session(const TempFolder& folder) {
   s.scene.contact.f_max_n = 7;
   s.scene.contact.force_along = "normal";
   s.scene.contact.directions = 42;
+  s.scene.contact.lever_unit_m = 0.2;
+  s.scene.contact.cluster_voxels = 1.5;
+  s.scene.contact.cluster_law = "potential";
   s.scene.coupling.saturation = false;
   s.scene.coupling.rotation_locked = true;
   s.scene.coupling.mass_kg = 0.3;
@@ -97,6 +100,9 @@ TEST(Session, ReadsBackExactlyWhatWasSaved) {
   EXPECT_EQ(read.scene.contact.f_max_n, 7);
   EXPECT_EQ(read.scene.contact.force_along, "normal");
   EXPECT_EQ(read.scene.contact.directions, 42);
+  EXPECT_EQ(read.scene.contact.lever_unit_m, 0.2);
+  EXPECT_EQ(read.scene.contact.cluster_voxels, 1.5);
+  EXPECT_EQ(read.scene.contact.cluster_law, "potential");
   EXPECT_FALSE(read.scene.coupling.saturation);
   EXPECT_TRUE(read.scene.coupling.rotation_locked);
   EXPECT_EQ(read.scene.scripts.at("solve").hand_force_max_n, 15);

@@ -66,9 +66,9 @@ TEST(Scene, EveryMistakeIsOneErrorNamingFileKeyFoundAndExpected) {
   EXPECT_EQ(
       load_error("[contatc]\nlaw = \"none\"\n"),
       "scene.toml: contatc.law: found this unknown key at line 2, expected a known key; did you mean contact.law?");
-  EXPECT_EQ(
-      load_error(m + "[contact]\nlaw = 3\n"),
-      "scene.toml: contact.law: found 3 at line 6, expected one of none global adaptive-3dof adaptive-6dof potential");
+  EXPECT_EQ(load_error(m + "[contact]\nlaw = 3\n"),
+            "scene.toml: contact.law: found 3 at line 6, expected one of none global cluster adaptive-3dof "
+            "adaptive-6dof potential");
   EXPECT_EQ(load_error(m + "points = 5\n"),
             "scene.toml: tool.points: found 5 at line 5, expected a whole number from 100 to 1000000");
   EXPECT_EQ(load_error(m + "points = 500.0\n"),

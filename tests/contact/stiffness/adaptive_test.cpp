@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "contact/contact_set.hpp"
+#include "contact/response/assemble.hpp"
 
 namespace tact::contact {
 namespace {
@@ -14,11 +15,12 @@ double hat(const Vec3& a, const Vec3& b, double epsilon) {
 }
 
 /// The double sums of eq. 7 and 12, as written.
-std::vector<double> brute_force(const ContactSet& set, double epsilon, double lever_floor, bool torques) {
+std::vector<double> brute_force(const ContactSet& set, double epsilon, double lever_floor, bool torques,
+                                double lever_unit = 0) {
   std::vector<Vec3> T;
   for (std::size_t i = 0; i < set.size(); ++i) {
     const Vec3 lever = set.r[i].cross(set.N[i]);
-    T.push_back(lever / std::max(lever.norm(), lever_floor));
+    T.push_back(lever / (lever_unit > 0 ? lever_unit : std::max(lever.norm(), lever_floor)));
   }
   std::vector<double> w;
   for (std::size_t i = 0; i < set.size(); ++i) {
@@ -36,12 +38,11 @@ void expect_equal_to_brute_force(const ContactSet& set, double epsilon) {
   ContactBuffer b = set.buffer();
   Adaptive3Dof three(shell, epsilon);
   Adaptive6Dof six(shell, epsilon, 1e-3);
+  const auto w3 = brute_force(set, epsilon, 1e-3, false), w6 = brute_force(set, epsilon, 1e-3, true);
   for (int again = 0; again < 2; ++again) {  // nothing of one query leaks into the next
     three.weigh(b);
-    const auto w3 = brute_force(set, epsilon, 1e-3, false);
     for (std::size_t i = 0; i < set.size(); ++i) ASSERT_NEAR(b.weight[i], w3[i], 1e-12 + 1e-10 * w3[i]) << i;
     six.weigh(b);
-    const auto w6 = brute_force(set, epsilon, 1e-3, true);
     for (std::size_t i = 0; i < set.size(); ++i) ASSERT_NEAR(b.weight[i], w6[i], 1e-12 + 1e-10 * w6[i]) << i;
   }
 }
@@ -104,6 +105,69 @@ TEST(Adaptive, TorqueDirectionsFadeOutContinuouslyAsTheLeverVanishes) {
     before = b.weight[0];
   }
   EXPECT_NEAR(before, 0.5, 1e-3);  // no torque at all: alike in both maps
+}
+
+/// With unit torque directions the two outer contacts would change weights, 0.4 and 0.5, as the lever of the one in the
+/// middle changes sign. A lever that moves by d turns T by d / floor at most, hat is 2 / eps steep, and w = 2 / phi,
+/// phi >= 2, changes by half of what phi does.
+TEST(Adaptive, TheWrenchIsContinuousAsALeverPassesThroughZero) {
+  const double epsilon = 0.5, floor_m = 1e-3, step_m = 1e-7, k = 1000, depth = 1e-3;
+  Vec6 before = Vec6::Zero();
+  for (int i = -20000; i <= 20000; ++i) {
+    ContactSet set;
+    for (const double lever : {i * step_m, 5e-3, -5e-3}) set.add(Vec3(lever, 0, 0.02), Vec3::UnitZ(), depth);
+    Adaptive6Dof law(set.shell(), epsilon, floor_m);
+    ContactBuffer b = set.buffer();
+    law.weigh(b);
+    for (std::size_t c = 0; c < b.size; ++c) ASSERT_TRUE(b.weight[c] > 0 && b.weight[c] <= 1);
+    const Vec6 wrench = assemble(b, law, k, 0, {}).F.vector();
+    const double turned = 1.01 * step_m / floor_m, weights = 0.5 * (2 / epsilon) * turned * 4;
+    if (i > -20000) {
+      ASSERT_LT((wrench - before).norm(), k * depth * (weights + step_m)) << i;
+    }
+    before = wrench;
+  }
+}
+
+TEST(Adaptive, EqualsTheDoubleSumWithTorquesThatKeepTheirLevers) {
+  std::mt19937 rng(6);
+  for (const double lever_unit : {1e-3, 0.05, 1.0, 1e3}) {
+    for (const ContactSet& set : {test::random_contacts(rng, 300), test::random_contacts(rng, 300, 3, 0.004)}) {
+      Adaptive6Dof law(set.shell(), 0.1, 1e-3, lever_unit);
+      ContactBuffer b = set.buffer();
+      law.weigh(b);
+      const auto expected = brute_force(set, 0.1, 1e-3, true, lever_unit);
+      for (std::size_t i = 0; i < b.size; ++i) ASSERT_NEAR(b.weight[i], expected[i], 1e-10) << lever_unit;
+    }
+  }
+}
+
+/// [P] on eq. 13: with a short unit levers overshadow normals, so contacts of one face along a line stand alone on the
+/// torque sphere; with a long one all torques are alike.
+TEST(Adaptive, TheLeverUnitDecidesHowMuchTorquesTellApart) {
+  ContactSet row;
+  for (int i = 0; i < 100; ++i) row.add(Vec3(0.01 + 1e-3 * i, 0, 0), Vec3::UnitZ(), 1e-4);
+  const auto total = [&](double lever_unit) {
+    Adaptive6Dof law(row.shell(), 0.01, 1e-3, lever_unit);
+    ContactBuffer b = row.buffer();
+    law.weigh(b);
+    double sum = 0;
+    for (std::size_t i = 0; i < b.size; ++i) sum += b.weight[i];
+    return sum;
+  };
+  EXPECT_NEAR(total(1e-3), 100 * 2.0 / 101, 1e-9);  // torques all apart, normals all alike
+  EXPECT_NEAR(total(1e3), 1, 1e-4);                 // all alike in both
+  EXPECT_NEAR(total(0), 1, 1e-9);                   // eq. 10: one direction of torque
+}
+
+TEST(Adaptive, EqualsTheDoubleSumForManyContacts) {
+  std::mt19937 rng(7);
+  expect_equal_to_brute_force(test::random_contacts(rng, 200), 0.01);
+  expect_equal_to_brute_force(test::random_contacts(rng, 2000, 40, 0.01), 0.01);
+  expect_equal_to_brute_force(test::random_contacts(rng, 10000), 0.01);
+  ContactSet equal;
+  for (int i = 0; i < 10000; ++i) equal.add(Vec3(1e-5 * i - 0.05, 0.01, 1e-6 * (i % 97)), Vec3(0.6, 0, 0.8), 1e-4);
+  expect_equal_to_brute_force(equal, 0.01);
 }
 
 TEST(Adaptive, TenThousandEqualNormalsShareOneStiffness) {
