@@ -45,12 +45,11 @@ LoopConfig loop_config(const Session& session, const SceneModel& scene) {
   config.tool.mass_kg = coupling.mass_kg;
   config.tool.inertia_shape_m2 = scene.inertia_shape_m2;
   config.tool.rotation_locked = coupling.rotation_locked;
-  config.parameters = {.version = 0,
-                       .saturation = coupling.saturation,
-                       .stiffness_n_per_m = coupling.stiffness_n_per_m,
-                       .damping_ratio = coupling.damping_ratio,
-                       .stiffness_nm_per_rad = coupling.stiffness_nm_per_rad,
-                       .torque_max_nm = coupling.torque_max_nm};
+  config.parameters = loop_parameters(coupling);
+  const MachineSpec& machine = session.machine;
+  config.mapping = {.X_WB = {machine.p_WB.value_or(Vec3::Zero()), machine.q_WB},
+                    .scale = machine.workspace_scale,
+                    .placed = machine.p_WB.has_value()};
   config.gate.force_n = session.machine.force_limit_n;
   config.gate.torque_nm = session.machine.torque_limit_nm;
   config.gate.force_slope_n_per_s = session.machine.force_slope_n_per_s;
@@ -96,8 +95,10 @@ int serve(const ServiceOptions& options) {
     if (stop.requested()) return kExitOk;
   }
   const LoopConfig config = loop_config(session, *scene);
-  wanted.X_WH_start = config.X_WT_start;
-  wanted.X_TM = config.X_TM;
+  // A simulated hand does with the device what brings the tool where its script says.
+  const WorkspaceMapping mapping(config.mapping, config.X_WT_start);
+  wanted.X_WH_start = mapping.to_device(config.X_WT_start);
+  for (Pose& X : wanted.hand_motion.X_WM) X = mapping.to_device(X * config.X_TM.inverse());
   wanted.virtual_inertia_shape_m2 = config.tool.inertia_shape_m2;
   const std::unique_ptr<HapticDevice> device = open_device(wanted);
 

@@ -11,6 +11,9 @@
 
 namespace tact::coupling {
 
+/// The scene's coupling keys as the loop takes them, version 0.
+LoopParameters loop_parameters(const CouplingSpec& spec);
+
 /// Coupling's place on the session domain, on a thread that is not real-time: publishes DeviceState (60 Hz) and
 /// SessionStats (2 Hz and at the end), takes HandTarget and the parameters of service "coupling".
 /// A parameter is acknowledged once the loop reports it in force. Hands are refused while a real device is engaged, and
