@@ -36,40 +36,53 @@ bool is_address(const std::string& s) {
 
 Key line(std::string name, std::string& member) { return text(std::move(name), member, "one line of text", is_line); }
 
+/// `access` gives the position to write to, `peek` one to read, or none.
+Key position_key(std::string name, const std::function<Vec3&()>& access, const std::function<const Vec3*()>& peek) {
+  return {std::move(name), Kind::numbers, "three numbers [x, y, z] within 10 km (m)",
+          [access](const Value& v) {
+            const auto* list = std::get_if<std::vector<double>>(&v);
+            if (!list || list->size() != 3) return false;
+            for (const double x : *list) {
+              if (!(std::abs(x) <= kFar_m)) return false;
+            }
+            access() = {(*list)[0], (*list)[1], (*list)[2]};
+            return true;
+          },
+          [peek]() -> std::optional<Value> {
+            const Vec3* p = peek();
+            if (!p) return std::nullopt;
+            return std::vector<double>{p->x(), p->y(), p->z()};
+          }};
+}
+
+Key rotation_key(std::string name, const std::function<Quat&()>& access, const std::function<const Quat*()>& peek) {
+  return {std::move(name), Kind::numbers, "four numbers [w, x, y, z] of norm 1 within 0.001",
+          [access](const Value& v) {
+            const auto* list = std::get_if<std::vector<double>>(&v);
+            if (!list || list->size() != 4) return false;
+            Quat q((*list)[0], (*list)[1], (*list)[2], (*list)[3]);
+            const double norm = q.norm();
+            if (!(std::abs(norm - 1) <= 1e-3)) return false;
+            if (std::abs(norm - 1) > 1e-12) q.normalize();  // what we saved reads back bit for bit
+            access() = q;
+            return true;
+          },
+          [peek]() -> std::optional<Value> {
+            const Quat* q = peek();
+            if (!q) return std::nullopt;
+            return std::vector<double>{q->w(), q->x(), q->y(), q->z()};
+          }};
+}
+
 /// The two keys of a pose. `access` gives the pose to write to (making it if need be); `peek` one to read, or none.
 Keys pose_keys(const std::string& prefix, const std::function<Pose&()>& access,
                const std::function<const Pose*()>& peek) {
-  return {{prefix + "position_m", Kind::numbers, "three numbers [x, y, z] within 10 km (m)",
-           [access](const Value& v) {
-             const auto* list = std::get_if<std::vector<double>>(&v);
-             if (!list || list->size() != 3) return false;
-             for (const double x : *list) {
-               if (!(std::abs(x) <= kFar_m)) return false;
-             }
-             access().p = {(*list)[0], (*list)[1], (*list)[2]};
-             return true;
-           },
-           [peek]() -> std::optional<Value> {
-             const Pose* X = peek();
-             if (!X) return std::nullopt;
-             return std::vector<double>{X->p.x(), X->p.y(), X->p.z()};
-           }},
-          {prefix + "rotation_wxyz", Kind::numbers, "four numbers [w, x, y, z] of norm 1 within 0.001",
-           [access](const Value& v) {
-             const auto* list = std::get_if<std::vector<double>>(&v);
-             if (!list || list->size() != 4) return false;
-             Quat q((*list)[0], (*list)[1], (*list)[2], (*list)[3]);
-             const double norm = q.norm();
-             if (!(std::abs(norm - 1) <= 1e-3)) return false;
-             if (std::abs(norm - 1) > 1e-12) q.normalize();  // what we saved reads back bit for bit
-             access().q = q;
-             return true;
-           },
-           [peek]() -> std::optional<Value> {
-             const Pose* X = peek();
-             if (!X) return std::nullopt;
-             return std::vector<double>{X->q.w(), X->q.x(), X->q.y(), X->q.z()};
-           }}};
+  return {position_key(
+              prefix + "position_m", [access]() -> Vec3& { return access().p; },
+              [peek]() -> const Vec3* { return peek() ? &peek()->p : nullptr; }),
+          rotation_key(
+              prefix + "rotation_wxyz", [access]() -> Quat& { return access().q; },
+              [peek]() -> const Quat* { return peek() ? &peek()->q : nullptr; })};
 }
 
 Keys pose_keys(const std::string& prefix, Pose& pose) {
@@ -108,7 +121,10 @@ Keys contact_keys(ContactSpec& c) {
 }
 
 Keys coupling_keys(CouplingSpec& c) {
-  Keys keys{flag("saturation", c.saturation),
+  Keys keys{choice("kind", c.kind, {"direct", "static", "dynamic"}),
+            choice("integrator", c.integrator, {"auto", "implicit", "semi-implicit"}),
+            flag("saturation", c.saturation),
+            flag("passivity_controller", c.passivity_controller),
             number("stiffness_n_per_m", c.stiffness_n_per_m, 1, 1e5, "N/m"),
             number("damping_ratio", c.damping_ratio, 0, 5, "of critical"),
             number("stiffness_nm_per_rad", c.stiffness_nm_per_rad, 0, 1e4, "Nm/rad; 0: from the radius of gyration"),
@@ -207,6 +223,12 @@ static Keys keys_of_every_machine(MachineSpec& m, const std::filesystem::path& b
           number("device.arm.quantum_m", m.simulated.quantum_m, 0, 0.01, "m"),
           number("device.arm.quantum_rad", m.simulated.quantum_rad, 0, 0.1, "rad"),
           integer("device.arm.delay_ticks", m.simulated.delay_ticks, 0, 20),
+          number("device.workspace_scale", m.workspace_scale, 0.01, 100, "tool motion over handle motion"),
+          position_key(
+              "device.base_position_m", [&m]() -> Vec3& { return m.p_WB ? *m.p_WB : m.p_WB.emplace(); },
+              [&m]() -> const Vec3* { return m.p_WB ? &*m.p_WB : nullptr; }),
+          rotation_key(
+              "device.base_rotation_wxyz", [&m]() -> Quat& { return m.q_WB; }, [&m] { return &m.q_WB; }),
           choice("transport", m.transport, {"shm", "udp"}),
           number("gate.force_limit_n", m.force_limit_n, 0.1, 200, "N"),
           number("gate.torque_limit_nm", m.torque_limit_nm, 0.01, 20, "Nm"),

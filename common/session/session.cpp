@@ -75,6 +75,15 @@ void note_run(RunSpec& run, const std::filesystem::path& file, const std::vector
   if (script || hand) run.said_in = file;
 }
 
+void check_mode(const std::string& where, const std::string& prefix, const CouplingSpec& coupling,
+                const MachineSpec& machine) {
+  if (coupling.integrator == "auto" || machine.mode != "impedance" || coupling.kind == "dynamic") return;
+  refuse(where, prefix + "coupling.integrator", "\"" + coupling.integrator + "\"",
+         "\"auto\" with coupling.kind = \"" + coupling.kind +
+             "\" and device.mode = \"impedance\": the handle is the device's and the tool has no motion of its own, so "
+             "nothing is integrated");
+}
+
 void check_run(const Session& s) {
   const std::string where = s.run.said_in.empty() ? "" : s.run.said_in.string() + ": ";
   if (!s.run.hand_csv.empty()) check_file(where, "run.hand", s.run.hand_csv);
@@ -171,6 +180,7 @@ Session load_session(const std::filesystem::path& path) {
   if (s.name.empty()) refuse(where, "name", "nothing", "the name of the session");
   if (s.run_dir.empty()) refuse(where, "run_dir", "nothing", "a path to a folder");
   check_scene(s.scene, where, scene_prefix);
+  check_mode(where, scene_prefix, s.scene.coupling, s.machine);
   note_run(s.run, path, entries);
   check_run(s);
   return s;
@@ -185,12 +195,15 @@ void check_session(const Session& session) {
   const auto& file = session.scene.file;
   check_scene(session.scene, file.empty() ? "" : file.string() + ": ", "");
   check_machine(session.machine);
+  check_coupling(session.scene.coupling, session.machine);
   check_run(session);
   if (session.machine.device == "playback" && scripted_hand(session)) {
     refuse("", session.run.script.empty() ? "run.hand" : "run.script", "a motion",
            "none: the driver is playback, and the recording moves the handle");
   }
 }
+
+void check_coupling(const CouplingSpec& coupling, const MachineSpec& machine) { check_mode("", "", coupling, machine); }
 
 std::optional<ScriptSpec> scripted_hand(const Session& session) {
   if (!session.run.script.empty()) return session.scene.scripts.at(session.run.script);

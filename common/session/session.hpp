@@ -39,7 +39,10 @@ struct ContactSpec {
 };
 
 struct CouplingSpec {
+  std::string kind = "dynamic";     ///< direct static dynamic
+  std::string integrator = "auto";  ///< implicit semi-implicit; auto: implicit, where something is integrated
   bool saturation = true;
+  bool passivity_controller = false;
   double stiffness_n_per_m = 2000, damping_ratio = 1.0;  ///< virtual coupling, translation
   double stiffness_nm_per_rad = 0;                       ///< 0: stiffness_n_per_m * gyration radius^2
   double torque_max_nm = 0;                              ///< 0: F_max * gyration radius
@@ -109,6 +112,9 @@ struct MachineSpec {
   std::string device = "simulated";        ///< simulated playback virtuose
   std::string mode = "pseudo-admittance";  ///< or impedance
   double rate_hz = 1000;
+  double workspace_scale = 1;         ///< motion of the tool over motion of the handle
+  Quat q_WB = Quat::Identity();       ///< the device's base in the world
+  std::optional<Vec3> p_WB;           ///< nothing: the handle is taken to be at the tool's start
   VirtuoseSpec virtuose;
   std::filesystem::path recording;  ///< playback: whose readings it gives
   SimulatedSpec simulated;
@@ -165,6 +171,10 @@ void set_scene_key(SceneSpec& scene, const std::string& key, const std::string& 
 /// The rules between keys: one of shape and mesh, a unit with every mesh, files and scripts that exist. What is loaded
 /// has been checked; whoever sets keys calls this once at the end. Throws as above.
 void check_session(const Session& session);
+
+/// The rule between device mode and coupling: an integrator is stated only where something is integrated. check_session
+/// asks it; so does whoever changes one of the keys while the session runs. Throws SetupError as above.
+void check_coupling(const CouplingSpec& coupling, const MachineSpec& machine);
 
 /// What moves the simulated hand: the script run.script, or run.hand as one; nothing: the mouse only.
 std::optional<ScriptSpec> scripted_hand(const Session& session);

@@ -71,6 +71,7 @@ std::string to_json(const SessionReport& r) {
   j["saturation"] = r.saturation;
   j["device"] = r.device;
   j["mode"] = r.mode;
+  j["coupling"] = r.coupling;
   j["voxel_mm"] = r.voxel_m * 1e3;
   j["duration_s"] = r.duration_s;
   j["rate_hz"] = r.rate_hz;
@@ -95,6 +96,8 @@ std::string to_json(const SessionReport& r) {
   j["force_step_n"] = {{"rms", s.force_step_rms_n}, {"max", s.force_step_max_n}};
   j["net_stiffness_n_per_m"] = {{"max", s.net_stiffness_max_n_per_m}};
   j["port_energy_j"] = s.port_energy_j;
+  j["passivity_controller"] = {{"ticks", s.passivity_ticks}, {"dissipated_j", s.passivity_dissipated_j}};
+  j["static_coupling"] = {{"residual_max_n", s.static_residual_max_n}, {"unsolved_ticks", s.static_unsolved_ticks}};
   j["goal"] = {{"reached", r.goal_reached},
                {"distance_mm", json_of(r.goal_distance_mm)},
                {"angle_deg", json_of(r.goal_angle_deg)}};
@@ -117,7 +120,7 @@ std::string to_table(const SessionReport& r) {
   std::string out = "Session " + r.session + ": scene " + r.scene;
   if (!r.script.empty()) out += ", script " + r.script;
   out += text(", law %s at %.0f N/m, saturation %s\n", r.law.c_str(), r.stiffness_n_per_m, r.saturation ? "on" : "off");
-  out += row("device", r.device + ", " + r.mode + text(", %.0f Hz", r.rate_hz));
+  out += row("device", r.device + ", " + r.mode + ", " + r.coupling + " coupling" + text(", %.0f Hz", r.rate_hz));
   out += row("transport", r.transport == "shm"
                               ? std::string("shared memory, ") + (r.shared_memory_proven ? "" : "not ") + "proven"
                           : r.transport == "udp" ? "UDP on loopback"
@@ -141,6 +144,14 @@ std::string to_table(const SessionReport& r) {
   out += row("force step per tick", text("rms %.4f N, max %.3f N", s.force_step_rms_n, s.force_step_max_n));
   out += row("net stiffness", text("max %.0f N/m", s.net_stiffness_max_n_per_m));
   out += row("energy out of the port", text("%.4f J", s.port_energy_j));
+  if (s.passivity_ticks > 0) {
+    out += row("passivity controller",
+               count(s.passivity_ticks) + text(" ticks, %.4f J dissipated", s.passivity_dissipated_j));
+  }
+  if (s.static_residual_max_n > 0) {
+    out += row("static equilibrium", text("residual max %.1e N, ", s.static_residual_max_n) +
+                                         count(s.static_unsolved_ticks) + " ticks unsolved");
+  }
   if (r.goal_distance_mm && r.goal_angle_deg) {
     out += row("goal", std::string(r.goal_reached ? "reached" : "not reached") +
                            text(", nearest %.2f mm, %.2f deg", *r.goal_distance_mm, *r.goal_angle_deg));

@@ -45,6 +45,10 @@ void add(Stats& sum, const Stats& more) {
   raise(&Stats::force_step_max_n);
   raise(&Stats::net_stiffness_max_n_per_m);
   sum.port_energy_j += more.port_energy_j;
+  sum.passivity_ticks += more.passivity_ticks;
+  sum.passivity_dissipated_j += more.passivity_dissipated_j;
+  raise(&Stats::static_residual_max_n);
+  sum.static_unsolved_ticks += more.static_unsolved_ticks;
   sum.faults_ever |= more.faults_ever;
   sum.page_faults += more.page_faults;
   // The newest epoch's, as the map is in order of epochs.

@@ -95,7 +95,7 @@ struct ServiceUse {
 
 /// What a session was and did.
 struct SessionReport {
-  std::string session, scene, script, law, device, mode, transport;
+  std::string session, scene, script, law, device, mode, coupling, transport;
   double stiffness_n_per_m = 0, voxel_m = 0, rate_hz = 0, duration_s = 0;
   bool saturation = true, shared_memory_proven = false;
   Stats stats{};

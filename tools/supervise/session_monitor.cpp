@@ -87,6 +87,7 @@ report::SessionReport SessionMonitor::report() const {
   r.script = session_.run.script;
   r.device = session_.machine.device;
   r.mode = session_.machine.mode;
+  r.coupling = session_.scene.coupling.kind;
   r.transport = session_.machine.transport;
   r.saturation = session_.scene.coupling.saturation;
   r.law = session_.scene.contact.law;

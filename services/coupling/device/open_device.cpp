@@ -50,10 +50,7 @@ std::unique_ptr<HapticDevice> open_simulated(const DeviceOptions& options) {
   if (!spec.events.empty()) params.events = load_device_events(spec.events);
   params.virtual_mass_kg = options.virtual_mass_kg;
   params.virtual_inertia_kg_m2 = virtual_inertia(options);
-  HandMotion motion = options.hand_motion;
-  const Pose X_MT = options.X_TM.inverse();
-  for (Pose& X : motion.X_WM) X = X * X_MT;
-  return std::make_unique<SimulatedDevice>(params, std::move(motion), options.X_WH_start);
+  return std::make_unique<SimulatedDevice>(params, options.hand_motion, options.X_WH_start);
 }
 
 virtuose::IndexingMode parse_indexing(const std::string& indexing) {

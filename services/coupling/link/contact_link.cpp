@@ -247,6 +247,7 @@ void ContactLink::receive(const std::shared_ptr<Connection>& connection, HapticT
     from_wire(wrench, reply);
     reply.received_mono_ns = now;
     mail_.reply.write(reply);
+    mail_.reply_ready.ring();
     connection->reply_ns.store(now, std::memory_order_relaxed);
     connection->sent.store(0, std::memory_order_relaxed);
   }

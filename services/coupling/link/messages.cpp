@@ -107,6 +107,10 @@ void to_wire(const LoopStats& in, std::uint64_t epoch, const Pose& X_WM, wire::S
   out.force_step_max_n = in.force_step_max_n;
   out.net_stiffness_max_n_per_m = in.net_stiffness_max_n_per_m;
   out.port_energy_j = in.port_energy_j;
+  out.passivity_ticks = in.passivity_ticks;
+  out.passivity_dissipated_j = in.passivity_dissipated_j;
+  out.static_residual_max_n = in.static_residual_max_n;
+  out.static_unsolved_ticks = in.static_unsolved_ticks;
   out.faults_ever = in.faults_ever;
   out.page_faults = static_cast<std::uint32_t>(in.page_faults);
   tact::to_wire(X_WM, out.X_WM);

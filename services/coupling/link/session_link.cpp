@@ -6,6 +6,7 @@
 
 #include "coupling/link/contact_link.hpp"
 #include "coupling/link/messages.hpp"
+#include "coupling/loop/session_config.hpp"
 #include "fault/fault.hpp"
 #include "link/convert.hpp"
 
@@ -23,16 +24,14 @@ constexpr seconds kLoopAnswer{1};
 constexpr std::uint32_t kLoopFaults = ~ContactLink::kFaults;
 
 /// Scene keys that may change while the loop runs.
-constexpr std::array kLive{"coupling.saturation", "coupling.stiffness_n_per_m", "coupling.damping_ratio",
-                           "coupling.stiffness_nm_per_rad", "coupling.torque_max_nm"};
-
-void apply(const CouplingSpec& spec, LoopParameters& parameters) {
-  parameters.saturation = spec.saturation;
-  parameters.stiffness_n_per_m = spec.stiffness_n_per_m;
-  parameters.damping_ratio = spec.damping_ratio;
-  parameters.stiffness_nm_per_rad = spec.stiffness_nm_per_rad;
-  parameters.torque_max_nm = spec.torque_max_nm;
-}
+constexpr std::array kLive{"coupling.kind",
+                           "coupling.integrator",
+                           "coupling.passivity_controller",
+                           "coupling.saturation",
+                           "coupling.stiffness_n_per_m",
+                           "coupling.damping_ratio",
+                           "coupling.stiffness_nm_per_rad",
+                           "coupling.torque_max_nm"};
 
 }  // namespace
 
@@ -143,9 +142,13 @@ void SessionLink::take_parameters() {
           kLive.end()) {
         throw SetupError(std::string(request.key) + ": cannot be changed while coupling runs; change the scene file");
       }
-      set_scene_key(scene_, request.key, request.value);
-      apply(scene_.coupling, parameters_);
-      ack.params_version = ++parameters_.version;
+      SceneSpec next = scene_;
+      set_scene_key(next, request.key, request.value);
+      check_coupling(next.coupling, session_.machine);
+      scene_ = std::move(next);
+      const std::uint64_t version = parameters_.version + 1;
+      parameters_ = loop_parameters(scene_.coupling);
+      ack.params_version = parameters_.version = version;
       mail_.parameters.write(parameters_);
       pending_.push_back({ack, steady_clock::now()});
     } catch (const SetupError& e) {

@@ -48,6 +48,15 @@ GateLimits with_springs(GateLimits limits, const DeviceCapabilities& device) {
   return limits;
 }
 
+/// Braking within a tick half of what would stop the felt body, yielding a fifth of the driver's spring.
+PassivityController::Params passivity_params(const LoopConfig& config, const DeviceCapabilities& device) {
+  PassivityController::Params params;
+  params.rho_m = config.gyration_radius_m / config.mapping.scale;
+  params.brake_max_n_s_per_m = 0.5 * config.mapping.scale * config.tool.mass_kg * config.rate_hz;
+  if (device.spring_n_per_m > 0) params.yield_max_m_per_n = 0.2 / device.spring_n_per_m;
+  return params;
+}
+
 }  // namespace
 
 CouplingLoop::CouplingLoop(const LoopConfig& config, HapticDevice& device, Mailboxes& mail, TickQueue* records)
@@ -60,17 +69,23 @@ CouplingLoop::CouplingLoop(const LoopConfig& config, HapticDevice& device, Mailb
       tool_(config.tool),
       strength_(config.parameters, tool_.mass(), tool_.inertia_T(), config.gyration_radius_m, config.force_max_n),
       motion_limit_{config.tool_radius_m},
+      mapping_(config.mapping, config.X_WT_start),
       wrench_gate_(config.gate),
       set_point_gate_(with_springs(config.gate, device.capabilities())),
+      passivity_(passivity_params(config, device.capabilities())),
       account_(config.rate_hz),
-      sent_(device.last_set_point()),
+      kind_(config.parameters.kind),
+      integrator_(config.parameters.integrator),
+      sent_B_(device.last_set_point()),
       status_every_(std::max<std::uint64_t>(1, static_cast<std::uint64_t>(config.status_period_s * config.rate_hz))),
       status_in_(1),
       snapshot_every_(
           std::max<std::uint64_t>(1, static_cast<std::uint64_t>(TickQueue::kSnapshotPeriod_s * config.rate_hz))) {
+  tool_.select(kind_, integrator_);
   tool_.reset(config.X_WT_start);
-  good_ = device.read();
-  X_WH_last_ = good_.X_WH;
+  passivity_.enable(config.parameters.passivity_controller);
+  good_B_ = device.read();
+  X_BH_last_ = good_B_.X_WH;
 }
 
 rt::Next CouplingLoop::step(const rt::Tick& tick) noexcept {
@@ -79,13 +94,17 @@ rt::Next CouplingLoop::step(const rt::Tick& tick) noexcept {
   take_parameters();
   take_hand_target();
   const DeviceReading device = read_device(tick);  // X_WH, V_WH, F_hand
-  take_reply();                                    // F + G x at X_n, or its stale reaction
+  if (!direct_now()) take_reply();                 // F + G x at X_n, or its stale reaction
   record_.resting = resting_.load(std::memory_order_relaxed);
   const bool may_act = device.engaged && device.trusted && !record_.resting;
   strength_.advance(wrench_, may_act, tool_.F_coupling_W(), h_);
   integrate(device);  // X_{n+1}
   publish();          // the moment it is integrated
-  send(device);       // through the gate
+  if (direct_now()) {
+    take_reply();  // at X_{n+1}: it is the handle's pose now
+    if (!calm()) tool_.pass_on(contact_.F_W);
+  }
+  send(device);  // through the gate
   close_tick(tick, device);
   return rt::Next::again;
 }
@@ -93,8 +112,16 @@ rt::Next CouplingLoop::step(const rt::Tick& tick) noexcept {
 bool CouplingLoop::calm() const noexcept { return strength_.strength() == 0; }
 
 void CouplingLoop::take_parameters() noexcept {
+  switched_ = false;
   record_.has_parameters = mail_.parameters.read(record_.parameters);
-  if (record_.has_parameters) strength_.set(record_.parameters);
+  if (!record_.has_parameters) return;
+  const LoopParameters& parameters = record_.parameters;
+  strength_.set(parameters);
+  passivity_.enable(parameters.passivity_controller);
+  switched_ = parameters.kind != kind_ || parameters.integrator != integrator_;
+  kind_ = parameters.kind;
+  integrator_ = parameters.integrator;
+  if (switched_) tool_.select(kind_, integrator_);
 }
 
 void CouplingLoop::take_hand_target() noexcept {
@@ -102,7 +129,9 @@ void CouplingLoop::take_hand_target() noexcept {
   if (mail_.hand.read(hand)) {
     const bool usable = is_pose(hand.X_WM) && !device_.capabilities().real;
     cue_.hold = hand.hold && usable;
-    if (usable) cue_.X_WH_target = Pose{hand.X_WM.p, hand.X_WM.q.normalized()} * config_.X_TM.inverse();
+    if (usable) {
+      cue_.X_WH_target = mapping_.to_device(Pose{hand.X_WM.p, hand.X_WM.q.normalized()} * config_.X_TM.inverse());
+    }
   }
   cue_.live = strength_.strength() >= 1 && ramped_;
   device_.cue(cue_);
@@ -115,21 +144,37 @@ DeviceReading CouplingLoop::read_device(const rt::Tick& tick) noexcept {
   const bool sound =
       is_pose(reading.X_WH) && reading.V_WH.vector().allFinite() && reading.F_hand_W.vector().allFinite();
   if (!sound) raise(Fault::not_finite);
-  if (sound && within_reach(good_.X_WH, reading.X_WH, static_cast<double>(since_good_) * h_)) {
+  if (sound && within_reach(good_B_.X_WH, reading.X_WH, static_cast<double>(since_good_) * h_)) {
     if (reading.trusted) since_good_ = 0;
-    return good_ = reading;
+    good_B_ = reading;
+    return hand_ = mapping_.read(reading);
   }
   raise(Fault::device_data);
-  DeviceReading held = good_;  // where it was, at rest, no hand
+  DeviceReading held = good_B_;  // where it was, at rest, no hand
   held.trusted = false;
   held.V_WH = {};
   held.F_hand_W = {};
-  return held;
+  return mapping_.read(held);
+}
+
+/// The newest reply there is; where the wrench of this very pose is needed, it is waited for within its budget.
+bool CouplingLoop::newest_reply(ContactReply& reply) noexcept {
+  bool any = mail_.reply.read(reply);
+  if (!direct_now()) return any;
+  const std::int64_t end_ns =
+      rt::monotonic_ns() + static_cast<std::int64_t>(std::min(config_.reply_wait_share, 0.4) * h_ * 1e9);
+  while (!(any && reply.pose_seq >= seq_)) {
+    const std::int64_t left_ns = end_ns - rt::monotonic_ns();
+    if (left_ns <= 0) break;
+    mail_.reply_ready.wait(left_ns);
+    any |= mail_.reply.read(reply);
+  }
+  return any;
 }
 
 void CouplingLoop::take_reply() noexcept {
   const ContactReply& reply = record_.reply;
-  bool fresh = record_.has_reply = mail_.reply.read(record_.reply);
+  bool fresh = record_.has_reply = newest_reply(record_.reply);
   if (fresh && (!is_finite(reply) || (reply.status & kReplyPoseInvalid) != 0)) {
     raise(Fault::not_finite);
     fresh = false;
@@ -171,12 +216,13 @@ void CouplingLoop::take_reply() noexcept {
 void CouplingLoop::integrate(const DeviceReading& device) noexcept {
   motion_cut_ = false;
   if (calm()) {
-    tool_.reset(tool_.tool().X_W);
-    tool_.set_handle({device.X_WH, {}});
+    tool_.reset(tool_.tool().X_W, device.X_WH);
     return;
   }
   const Pose X_before = tool_.tool().X_W;
-  if (mode_ == DeviceMode::impedance) {
+  if (direct_now()) {
+    tool_.follow(BodyState{device.X_WH, device.V_WH}, h_);
+  } else if (mode_ == DeviceMode::impedance) {
     tool_.step(BodyState{device.X_WH, device.V_WH}, contact_, strength_.gains(), strength_.tool_damping(), h_);
   } else {
     tool_.step(device.F_hand_W, contact_, strength_.gains(), strength_.tool_damping(), h_);
@@ -184,8 +230,7 @@ void CouplingLoop::integrate(const DeviceReading& device) noexcept {
   BodyState next = tool_.tool();
   if (!is_pose(next.X_W) || !next.V_W.vector().allFinite() || !is_pose(tool_.handle().X_W)) {
     raise(Fault::not_finite);  // huge but finite gradients overflow the solve: stand where we were
-    tool_.reset(X_before);
-    tool_.set_handle({device.X_WH, {}});
+    tool_.reset(X_before, device.X_WH);
     return;
   }
   motion_cut_ =
@@ -193,6 +238,8 @@ void CouplingLoop::integrate(const DeviceReading& device) noexcept {
   if (motion_cut_) {
     tool_.set_tool(next);
     raise(Fault::motion_capped);
+  } else if (kind_ == CouplingKind::quasi_static) {
+    account_.equilibrium(tool_.static_residual_n());
   }
 }
 
@@ -209,26 +256,50 @@ void CouplingLoop::publish() noexcept {
   mail_.tool_ready.ring();
 }
 
+Wrench CouplingLoop::blended(const Wrench& F_W) noexcept {
+  if (calm()) {
+    bump_.setZero();
+  } else if (switched_) {
+    bump_ = F_wanted_W_.vector() - F_W.vector();
+  } else {
+    bump_ *= std::exp(-h_ / kBlend_s);
+  }
+  return F_wanted_W_ = Wrench::from(F_W.vector() + bump_);
+}
+
 void CouplingLoop::send(const DeviceReading& device) noexcept {
   GateReport report;
+  const Pose X_BH = good_B_.X_WH;
   if (mode_ == DeviceMode::impedance) {
-    account_.port_energy(F_sent_W_.vector().dot(displacement(X_WH_last_, device.X_WH)));
-    F_sent_W_ = wrench_gate_.limit(opposite(tool_.F_coupling_W()), device.engaged, h_);
-    device_.write(F_sent_W_);
+    passivity_.observe(F_sent_B_.vector().dot(displacement(X_BH_last_, X_BH)));
+    const double part = direct_now() ? strength_.strength() : 1;  // a virtual coupling has it in its wrench
+    const Wrench F_W = blended(Wrench::from(-part * tool_.F_coupling_W().vector()));
+    const Wrench F_B = passivity_.braked(mapping_.to_device(F_W), mapping_.to_device(device.V_WH), h_);
+    F_sent_B_ = wrench_gate_.limit(F_B, device.engaged, h_);
+    device_.write(F_sent_B_);
+    F_sent_W_ = mapping_.to_world(F_sent_B_);
     report = wrench_gate_.report();
     ramped_ = wrench_gate_.ramped();
   } else {
-    const Pose X_last = sent_.X_W;
-    set_point_gate_.limit(tool_.handle().X_W, tool_.handle().V_W, device.X_WH, device.engaged, h_, sent_.X_W,
-                          sent_.V_W);
-    device_.write(sent_);
+    const Pose X_last = sent_B_.X_W;
+    Pose X_wanted = mapping_.to_device(tool_.handle().X_W);
+    const Twist V_wanted = mapping_.to_device(tool_.handle().V_W);
+    const Wrench F_hand_B = mapping_.to_device(device.F_hand_W);
+    const Vec6 give = passivity_.yielding(F_hand_B, displacement(X_last, X_wanted));
+    const bool yields = !give.isZero();
+    if (yields) X_wanted = displaced(X_wanted, give);
+    set_point_gate_.limit(X_wanted, V_wanted, X_BH, device.engaged, h_, sent_B_.X_W, sent_B_.V_W);
+    device_.write(sent_B_);
     report = set_point_gate_.report();
     ramped_ = set_point_gate_.ramped();
-    if (report.limited || report.not_finite) tool_.set_handle({sent_.X_W, sent_.V_W});  // the body is where we sent it
+    if (yields || report.limited || report.not_finite) {  // the body is where we sent it
+      tool_.set_handle({mapping_.to_world(sent_B_.X_W), mapping_.to_world(sent_B_.V_W)});
+    }
     F_sent_W_ = opposite(tool_.F_coupling_W());
-    account_.port_energy(-device.F_hand_W.vector().dot(displacement(X_last, sent_.X_W)));
+    passivity_.observe(-F_hand_B.vector().dot(displacement(X_last, sent_B_.X_W)));
   }
-  X_WH_last_ = device.X_WH;
+  X_BH_last_ = X_BH;
+  account_.port(passivity_);
   if (report.limited) raise(Fault::gate_limited);
   if (report.not_finite) raise(Fault::not_finite);
 }
@@ -260,7 +331,7 @@ void CouplingLoop::record(const rt::Tick& tick, std::int64_t end_ns, const Devic
   record_.F_contact_W = contact_.F_W;
   record_.F_coupling_W = tool_.F_coupling_W();
   record_.F_sent_W = F_sent_W_;
-  record_.sent = sent_;
+  record_.sent = {mapping_.to_world(sent_B_.X_W), mapping_.to_world(sent_B_.V_W)};
   record_.max_depth_m = reply_.max_depth_m;
   record_.tick_ns = end_ns - tick.woke_ns;
   if (--snapshot_in_ == 0) {
@@ -298,18 +369,18 @@ bool CouplingLoop::restore(const LoopSnapshot& snapshot) noexcept {
 
 void CouplingLoop::publish_status() noexcept {
   LoopStatus& status = account_.status();
-  status.X_WH = good_.X_WH;
-  status.V_WH = good_.V_WH;
+  status.X_WH = hand_.X_WH;
+  status.V_WH = hand_.V_WH;
   status.X_WT = tool_.tool().X_W;
   status.V_WT = tool_.tool().V_W;
   status.X_WM = status.X_WT * config_.X_TM;
   status.F_contact_W = contact_.F_W;
   status.F_coupling_W = tool_.F_coupling_W();
-  status.F_hand_W = good_.F_hand_W;
+  status.F_hand_W = hand_.F_hand_W;
   status.contact_count = calm() ? 0 : reply_.contact_count;
-  status.script_time_s = good_.script_time_s;
-  status.script_done = good_.script_done;
-  status.engaged = good_.engaged && ramped_ && strength_.strength() >= 1;
+  status.script_time_s = hand_.script_time_s;
+  status.script_done = hand_.script_done;
+  status.engaged = hand_.engaged && ramped_ && strength_.strength() >= 1;
   status.capped = motion_cut_ || tool_.saturated();
   status.parameters_version = strength_.parameters_version();
   mail_.status.write(status);

@@ -61,6 +61,18 @@ void LoopAccount::reply(const ContactReply& reply, const Wrench& F_coupling_W, d
   raise(stats.net_stiffness_max_n_per_m, status_.net_stiffness_n_per_m);
 }
 
+void LoopAccount::port(const PassivityController& passivity) noexcept {
+  LoopStats& stats = status_.stats;
+  stats.port_energy_j = passivity.energy_j();
+  stats.passivity_ticks = passivity.activity().ticks;
+  stats.passivity_dissipated_j = passivity.activity().dissipated_j;
+}
+
+void LoopAccount::equilibrium(double residual_n) noexcept {
+  raise(status_.stats.static_residual_max_n, residual_n);
+  if (!(residual_n <= ToolIntegrator::kStaticResidual_n)) ++status_.stats.static_unsolved_ticks;
+}
+
 void LoopAccount::tick(const rt::Tick& tick, std::int64_t end_ns, WrenchModel::Phase phase,
                        std::uint32_t faults) noexcept {
   LoopStats& stats = status_.stats;

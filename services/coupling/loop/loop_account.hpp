@@ -1,6 +1,7 @@
 #pragma once
 #include "coupling/dynamics/wrench_model.hpp"
 #include "coupling/loop/mailboxes.hpp"
+#include "coupling/safety/passivity_controller.hpp"
 #include "rt/tick.hpp"
 
 namespace tact::coupling {
@@ -15,8 +16,11 @@ class LoopAccount {
   /// pose, `force_max`, `torque_max` the saturation: they tell quasi-static balance.
   void reply(const ContactReply& reply, const Wrench& F_coupling_W, double force_max, double torque_max) noexcept;
 
-  /// Energy that left through the device port this tick, J.
-  void port_energy(double joule) noexcept { status_.stats.port_energy_j += joule; }
+  /// What the passivity observer and controller count.
+  void port(const PassivityController& passivity) noexcept;
+
+  /// Static coupling, not cut short by the motion limit: what is left of its equilibrium by its own model.
+  void equilibrium(double residual_n) noexcept;
 
   /// The end of a tick.
   void tick(const rt::Tick& tick, std::int64_t end_ns, WrenchModel::Phase phase, std::uint32_t faults) noexcept;

@@ -32,9 +32,13 @@ struct LoopStats {
   /// Energy that left through the device port, J; > 0: we were active. Impedance: integral of F_sent . V_H.
   /// Pseudo-admittance: minus the integral of F_hand . V_set-point.
   double port_energy_j = 0;
-  std::uint32_t faults_ever = 0;  ///< tact::Fault bits
-  std::uint64_t page_faults = 0;  ///< of the loop's thread since its first tick
-  std::uint64_t allocations = 0;  ///< malloc family calls within ticks, where the hooks are linked
+  std::uint64_t passivity_ticks = 0;  ///< the passivity controller was at work
+  double passivity_dissipated_j = 0;  ///< by it
+  double static_residual_max_n = 0;   ///< static coupling: left of F_contact + F_VC by its own model of the contact
+  std::uint64_t static_unsolved_ticks = 0;  ///< with more left than stated
+  std::uint32_t faults_ever = 0;            ///< tact::Fault bits
+  std::uint64_t page_faults = 0;            ///< of the loop's thread since its first tick
+  std::uint64_t allocations = 0;            ///< malloc family calls within ticks, where the hooks are linked
 };
 
 /// What the device loop tells the rest of the world, every few milliseconds: the wire's DeviceState in our own types.

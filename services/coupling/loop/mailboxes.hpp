@@ -53,6 +53,7 @@ struct Mailboxes {
   rt::LatestValue<ToolSample> tool;            ///< device loop -> link thread
   rt::Doorbell tool_ready;                     ///< rung by the device loop after `tool` was written
   rt::LatestValue<ContactReply> reply;         ///< link thread -> device loop
+  rt::Doorbell reply_ready;                    ///< rung by the link thread after `reply` was written
   rt::LatestValue<HandTargetSample> hand;      ///< session thread -> device loop
   rt::LatestValue<LoopParameters> parameters;  ///< session thread -> device loop
   rt::LatestValue<LoopStatus> status;          ///< device loop -> session thread, every 16 ms

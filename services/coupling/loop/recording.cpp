@@ -152,8 +152,8 @@ void fields(A& a, DeviceCapabilities& v) {
 }
 template <class A>
 void fields(A& a, LoopParameters& v) {
-  auto& [version, saturation, k, z, k_r, torque_max] = v;
-  a(version, saturation, k, z, k_r, torque_max);
+  auto& [version, kind, integrator, saturation, passivity, k, z, k_r, torque_max] = v;
+  a(version, kind, integrator, saturation, passivity, k, z, k_r, torque_max);
 }
 template <class A>
 void fields(A& a, ContactReply& v) {
@@ -164,8 +164,8 @@ void fields(A& a, ContactReply& v) {
 }
 template <class A>
 void fields(A& a, ToolIntegrator::Params& v) {
-  auto& [mass, inertia, locked, integrator] = v;
-  a(mass, inertia, locked, integrator);
+  auto& [mass, inertia, locked] = v;
+  a(mass, inertia, locked);
 }
 template <class A>
 void fields(A& a, GateLimits& v) {
@@ -175,9 +175,16 @@ void fields(A& a, GateLimits& v) {
     ramp);
 }
 template <class A>
+void fields(A& a, WorkspaceMapping::Params& v) {
+  auto& [X_WB, scale, placed] = v;
+  a(X_WB, scale, placed);
+}
+template <class A>
 void fields(A& a, LoopConfig& v) {
-  auto& [rate, tool, parameters, gate, X_WT, X_WO, X_TM, gyration, radius, voxel, force_max, status_period] = v;
-  a(rate, tool, parameters, gate, X_WT, X_WO, X_TM, gyration, radius, voxel, force_max, status_period);
+  auto& [rate, tool, parameters, gate, mapping, X_WT, X_WO, X_TM, gyration, radius, voxel, force_max, status_period,
+         reply_wait] = v;
+  a(rate, tool, parameters, gate, mapping, X_WT, X_WO, X_TM, gyration, radius, voxel, force_max, status_period,
+    reply_wait);
 }
 template <class A>
 void fields(A& a, RecordingInfo& v) {

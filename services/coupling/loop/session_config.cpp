@@ -19,6 +19,21 @@ DeviceOptions device_options(const Session& session) {
   return options;
 }
 
+LoopParameters loop_parameters(const CouplingSpec& spec) {
+  LoopParameters parameters;
+  parameters.kind = spec.kind == "direct"   ? CouplingKind::direct
+                    : spec.kind == "static" ? CouplingKind::quasi_static
+                                            : CouplingKind::dynamic;
+  parameters.integrator = spec.integrator == "semi-implicit" ? Integrator::semi_implicit : Integrator::implicit;
+  parameters.passivity_controller = spec.passivity_controller;
+  parameters.saturation = spec.saturation;
+  parameters.stiffness_n_per_m = spec.stiffness_n_per_m;
+  parameters.damping_ratio = spec.damping_ratio;
+  parameters.stiffness_nm_per_rad = spec.stiffness_nm_per_rad;
+  parameters.torque_max_nm = spec.torque_max_nm;
+  return parameters;
+}
+
 LoopConfig loop_config(const Session& session, const BodyModel& bodies) {
   const CouplingSpec& coupling = session.scene.coupling;
   LoopConfig config;
@@ -26,12 +41,11 @@ LoopConfig loop_config(const Session& session, const BodyModel& bodies) {
   config.tool.mass_kg = coupling.mass_kg;
   config.tool.inertia_shape_m2 = bodies.inertia_shape_m2;
   config.tool.rotation_locked = coupling.rotation_locked;
-  config.parameters = {.version = 0,
-                       .saturation = coupling.saturation,
-                       .stiffness_n_per_m = coupling.stiffness_n_per_m,
-                       .damping_ratio = coupling.damping_ratio,
-                       .stiffness_nm_per_rad = coupling.stiffness_nm_per_rad,
-                       .torque_max_nm = coupling.torque_max_nm};
+  config.parameters = loop_parameters(coupling);
+  const MachineSpec& machine = session.machine;
+  config.mapping = {.X_WB = {machine.p_WB.value_or(Vec3::Zero()), machine.q_WB},
+                    .scale = machine.workspace_scale,
+                    .placed = machine.p_WB.has_value()};
   config.gate.force_n = session.machine.force_limit_n;
   config.gate.torque_nm = session.machine.torque_limit_nm;
   config.gate.force_slope_n_per_s = session.machine.force_slope_n_per_s;
@@ -47,8 +61,10 @@ LoopConfig loop_config(const Session& session, const BodyModel& bodies) {
 }
 
 void take_bodies(const LoopConfig& config, DeviceOptions& options) {
-  options.X_WH_start = config.X_WT_start;
-  options.X_TM = config.X_TM;
+  // A simulated hand does with the device what brings the tool where its script says.
+  const WorkspaceMapping mapping(config.mapping, config.X_WT_start);
+  options.X_WH_start = mapping.to_device(config.X_WT_start);
+  for (Pose& X : options.hand_motion.X_WM) X = mapping.to_device(X * config.X_TM.inverse());
   options.virtual_inertia_shape_m2 = config.tool.inertia_shape_m2;
 }
 

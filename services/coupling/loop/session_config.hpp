@@ -16,12 +16,15 @@ struct BodyModel {
   double stiffness_n_per_m = 0, x_max_m = 0;
 };
 
+/// The scene's coupling keys as the loop takes them, version 0.
+LoopParameters loop_parameters(const CouplingSpec& spec);
+
 /// The loop a session asks for.
 LoopConfig loop_config(const Session& session, const BodyModel& bodies);
 
 /// The device a session asks for, before its bodies are known. Throws SetupError when the hand's motion cannot be read.
 DeviceOptions device_options(const Session& session);
-/// What they add: where the handle begins, its mesh frame, the shape of its inertia.
+/// What they add: where the handle begins and how the hand leads it, in the device's frame; the shape of its inertia.
 void take_bodies(const LoopConfig& config, DeviceOptions& options);
 
 }  // namespace tact::coupling

@@ -9,7 +9,12 @@ namespace {
 /// Farther than this from unit length a quaternion is an error, not rounding.
 constexpr double kUnitTolerance = 1e-3;
 
-bool valid(const Pose& X) { return X.finite() && std::abs(X.q.norm() - 1) < kUnitTolerance; }
+/// No handle is farther from its base; the difference of two huge poses would not be finite.
+constexpr double kFar_m = 1e6;
+
+bool valid(const Pose& X) {
+  return X.finite() && X.p.cwiseAbs().maxCoeff() <= kFar_m && std::abs(X.q.norm() - 1) < kUnitTolerance;
+}
 
 /// v shortened to norm at most m; tells when it was. Scaled first: the square of a huge number is not finite.
 Vec3 clamped(const Vec3& v, double m, bool& limited) {

@@ -16,8 +16,10 @@ constexpr std::size_t kMaxAsked = 64;
 struct Settable {
   const char *key, *service;
 };
-constexpr std::array<Settable, 3> kSettable{
-    {{"contact.law", "contact"}, {"contact.stiffness_n_per_m", "contact"}, {"coupling.saturation", "coupling"}}};
+constexpr std::array<Settable, 4> kSettable{{{"contact.law", "contact"},
+                                             {"contact.stiffness_n_per_m", "contact"},
+                                             {"coupling.saturation", "coupling"},
+                                             {"coupling.kind", "coupling"}}};
 
 std::string error(const std::string& message) { return Json{{"type", "error"}, {"message", message}}.dump(); }
 

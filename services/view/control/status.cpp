@@ -69,6 +69,7 @@ std::string status_json(const ViewScene& scene, const ViewerNumbers& numbers) {
       {"law", scene.info.law},
       {"k_n_per_m", scene.info.stiffness_n_per_m},
       {"saturation", scene.info.saturation},
+      {"coupling", scene.info.coupling},
       {"points", scene.info.points},
       {"voxel_mm", 1e3 * scene.info.voxel_m},
       {"contacts", d.contact_count},

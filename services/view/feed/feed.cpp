@@ -23,7 +23,7 @@ double seconds_since(Clock::time_point then) { return std::chrono::duration<doub
 
 float strip_value(double v) { return std::isfinite(v) ? static_cast<float>(v) : 0.0f; }
 
-SceneInfo scene_info(const wire::SceneInfo& in, bool saturation) {
+SceneInfo scene_info(const wire::SceneInfo& in, bool saturation, const std::string& coupling) {
   SceneInfo out;
   out.name = in.scene;
   out.server_epoch = in.server_epoch;
@@ -40,6 +40,7 @@ SceneInfo scene_info(const wire::SceneInfo& in, bool saturation) {
   out.stiffness_n_per_m = in.stiffness_n_per_m;
   out.x_max_m = in.x_max_m;
   out.saturation = saturation;
+  out.coupling = coupling;
   return out;
 }
 
@@ -132,7 +133,8 @@ void Feed::poll(SharedScene& shared, std::int64_t timeout_ns) {
   shared.update([&](ViewScene& scene) {
     if (w.scene_info.take_newest(w.info_message)) {
       const bool saturation = scene.info.name.empty() ? w.session.scene.coupling.saturation : scene.info.saturation;
-      scene.info = scene_info(w.info_message, saturation);
+      const std::string coupling = scene.info.name.empty() ? w.session.scene.coupling.kind : scene.info.coupling;
+      scene.info = scene_info(w.info_message, saturation, coupling);
       if (scene.age_s < 0) {  // no device yet: the part waits where the scene puts it
         scene.device.X_WM = w.session.scene.start_X_WM;
         scene.device.X_WT = scene.device.X_WH = scene.device.X_WM * scene.info.X_TM.inverse();
@@ -167,6 +169,7 @@ void Feed::poll(SharedScene& shared, std::int64_t timeout_ns) {
       const wire::ParameterAck& ack = w.ack_message;
       const std::string key = ack.key, value = ack.value;
       if (ack.accepted && key == "coupling.saturation") scene.info.saturation = value == "true" || value == "on";
+      if (ack.accepted && key == "coupling.kind") scene.info.coupling = value;
       if (ack.accepted && key == "contact.law") scene.info.law = value;
       if (ack.accepted && key == "contact.stiffness_n_per_m") scene.info.stiffness_n_per_m = std::atof(value.c_str());
       if (ack.writer_id == w.writer_id) w.answers.push_back({ack.request_id, key, value, ack.accepted, ack.message});

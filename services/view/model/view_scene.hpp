@@ -21,6 +21,7 @@ struct SceneInfo {
   std::string law;
   double stiffness_n_per_m = 0, x_max_m = 0;
   bool saturation = true;
+  std::string coupling;  ///< kind: direct, static, dynamic
 };
 
 struct Contact {

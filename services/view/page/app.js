@@ -108,7 +108,7 @@ function hear(message) {
   }
 }
 
-const labels = {"contact.law": "Law", "contact.stiffness_n_per_m": "Stiffness", "coupling.saturation": "Saturation"};
+const labels = {"contact.law": "Law", "contact.stiffness_n_per_m": "Stiffness", "coupling.saturation": "Saturation", "coupling.kind": "Coupling"};
 const label_of = (key) => labels[key] || key;
 
 function notice(words, bad = false) {
@@ -141,6 +141,7 @@ function status(s) {
     $("stiffness").value = Math.log10(s.k_n_per_m);
     $("stiffness-number").value = Math.round(s.k_n_per_m);
   }
+  if (!busy("coupling") && s.coupling) $("coupling").value = s.coupling;
   if (!busy("saturation")) $("saturation").checked = s.saturation;
   if (s.holder !== holder) {
     holder = s.holder;
@@ -206,7 +207,7 @@ function show_services(services) {
 
 function enable() {
   if (holder !== 0 && holder !== me) holding = false;
-  for (const id of ["law", "stiffness", "stiffness-number", "saturation", "home"]) $(id).disabled = !may_control;
+  for (const id of ["law", "stiffness", "stiffness-number", "saturation", "coupling", "home"]) $(id).disabled = !may_control;
   const mine = me !== 0 && holder === me;
   $("drop").disabled = !mine;
   picture.classList.toggle("holding", mine);
@@ -222,6 +223,7 @@ function change(id, key, value) {
   say({type: "set", key, value: String(value)});
 }
 $("law").onchange = () => change("law", "contact.law", $("law").value);
+$("coupling").onchange = () => change("coupling", "coupling.kind", $("coupling").value);
 $("saturation").onchange = () => change("saturation", "coupling.saturation", $("saturation").checked);
 $("stiffness").oninput = () => {
   edited["stiffness"] = performance.now();

@@ -50,6 +50,29 @@ TEST(SceneKey, RefusedTextChangesNothingAndSaysWhatIsExpected) {
   EXPECT_TRUE(scene.coupling.saturation);
 }
 
+TEST(Session, AnIntegratorIsStatedOnlyWhereSomethingIsIntegrated) {
+  for (const char* kind : {"direct", "static", "dynamic"}) {
+    for (const char* integrator : {"auto", "implicit", "semi-implicit"}) {
+      for (const char* mode : {"impedance", "pseudo-admittance"}) {
+        Session session;
+        session.scene.obstacle.shape = session.scene.tool.shape = "box";
+        set_key(session, "coupling.kind", kind);
+        set_key(session, "coupling.integrator", integrator);
+        set_key(session, "device.mode", mode);
+        const bool senseless =
+            std::string(mode) == "impedance" && std::string(kind) != "dynamic" && std::string(integrator) != "auto";
+        const std::string said = setup_error([&] { check_session(session); });
+        EXPECT_EQ(said != "no error", senseless) << mode << " " << kind << " " << integrator << ": " << said;
+        if (senseless) {
+          for (const char* part : {"coupling.integrator: found", "device.mode", "coupling.kind", integrator, kind}) {
+            EXPECT_NE(said.find(part), std::string::npos) << said;
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST(SceneKey, UnknownKeyNamesTheNearestOne) {
   SceneSpec scene;
   EXPECT_EQ(setup_error([&] { set_scene_key(scene, "contact.lav", "none"); }),

@@ -49,6 +49,9 @@ Session full_session(const TempFolder& folder) {
   s.scene.contact.cluster_law = "potential";
   s.scene.coupling.saturation = false;
   s.scene.coupling.rotation_locked = true;
+  s.scene.coupling.kind = "static";
+  s.scene.coupling.integrator = "semi-implicit";
+  s.scene.coupling.passivity_controller = true;
   s.scene.coupling.mass_kg = 0.3;
   s.scene.scripts["solve"] = {s.run.hand_csv, "the way out", 15};
   s.machine.file = "/machines/lab.toml";
@@ -59,6 +62,9 @@ Session full_session(const TempFolder& folder) {
   s.machine.recording = "/reports/old.tick";
   s.machine.simulated = {"/e.csv", 0.5, 9, 7, "stiff", 1, 8, 3, 0.25, 1e-5, 1e-4, 3};
   s.machine.rate_hz = 1e3 / 3;
+  s.machine.workspace_scale = 2.5;
+  s.machine.p_WB = Vec3(0.1, -0.2, 1.0 / 3);
+  s.machine.q_WB = Quat(0.5, -0.5, 0.5, 0.5);
   s.machine.view = false;
   s.machine.token = "abcdefgh";
   s.machine.cache_dir = "/var/cache/x";
@@ -107,6 +113,12 @@ TEST(Session, ReadsBackExactlyWhatWasSaved) {
   EXPECT_TRUE(read.scene.coupling.rotation_locked);
   EXPECT_EQ(read.scene.scripts.at("solve").hand_force_max_n, 15);
   EXPECT_EQ(read.machine.rate_hz, saved.machine.rate_hz);
+  EXPECT_EQ(read.scene.coupling.kind, "static");
+  EXPECT_EQ(read.scene.coupling.integrator, "semi-implicit");
+  EXPECT_TRUE(read.scene.coupling.passivity_controller);
+  EXPECT_EQ(read.machine.workspace_scale, 2.5);
+  EXPECT_EQ(read.machine.p_WB.value(), *saved.machine.p_WB);
+  EXPECT_EQ(read.machine.q_WB.coeffs(), saved.machine.q_WB.coeffs());
   EXPECT_EQ(read.machine.device, "playback");
   EXPECT_EQ(read.machine.virtuose.library, "/opt/arm/virtuoseAPI.so");
   EXPECT_EQ(read.machine.virtuose.indexing, "none");
@@ -131,6 +143,7 @@ TEST(Session, DefaultsRoundTripToo) {
   save_session(s, folder.path() / "s.toml");
   const Session r = load_session(folder.path() / "s.toml");
   EXPECT_FALSE(r.scene.goal_X_WM.has_value());
+  EXPECT_FALSE(r.machine.p_WB.has_value());
   EXPECT_TRUE(r.machine.token.empty());
   EXPECT_TRUE(r.machine.cache_dir.empty());
   EXPECT_FALSE(scripted_hand(r).has_value());

@@ -12,12 +12,18 @@ constexpr double kH = 1e-3;
 using Mat12 = Eigen::Matrix<double, 12, 12>;
 using Vec12 = Eigen::Matrix<double, 12, 1>;
 
-ToolIntegrator::Params brick(Integrator integrator) {
+ToolIntegrator::Params brick() {
   ToolIntegrator::Params params;
   params.mass_kg = 0.2;
   params.inertia_shape_m2 << 2e-3, 3e-4, 0, 3e-4, 1e-3, -1e-4, 0, -1e-4, 5e-4;
-  params.integrator = integrator;
   return params;
+}
+
+ToolIntegrator with(Integrator integrator, const ToolIntegrator::Params& params = brick(),
+                    CouplingKind kind = CouplingKind::dynamic) {
+  ToolIntegrator tool(params);
+  tool.select(kind, integrator);
+  return tool;
 }
 
 CouplingGains gains_of(const ToolIntegrator& tool, double k = 2000, double k_r = 5) {
@@ -34,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(All, BothIntegrators, ::testing::Values(Integrator::sem
                          [](const auto& i) { return i.param == Integrator::implicit ? "Implicit" : "SemiImplicit"; });
 
 TEST_P(BothIntegrators, FreeMotionConservesBothMomentaAndMovesInAStraightLine) {
-  ToolIntegrator tool(brick(GetParam()));
+  ToolIntegrator tool = with(GetParam());
   const Twist V{{0.3, -0.2, 0.1}, {4, -7, 5}};
   tool.set_tool({{{1, 2, 3}, exp_so3({0.3, 0.2, 0.9})}, V});
   const Vec3 L = angular_momentum(tool, tool.tool());
@@ -46,9 +52,9 @@ TEST_P(BothIntegrators, FreeMotionConservesBothMomentaAndMovesInAStraightLine) {
 }
 
 TEST_P(BothIntegrators, ASphericalBodySpinsUniformly) {
-  auto params = brick(GetParam());
+  auto params = brick();
   params.inertia_shape_m2 = 1e-3 * Mat3::Identity();
-  ToolIntegrator tool(params);
+  ToolIntegrator tool = with(GetParam(), params);
   const Vec3 w(1, -2, 0.5);
   tool.set_tool({{}, {Vec3::Zero(), w}});
   for (int i = 0; i < 500; ++i) tool.step(BodyState{}, ContactLoad{}, CouplingGains{}, 0, kH);
@@ -58,7 +64,7 @@ TEST_P(BothIntegrators, ASphericalBodySpinsUniformly) {
 TEST_P(BothIntegrators, OscillationAboutAFixedHandleConvergesToTheCosineAtFirstOrder) {
   const double k = 800;
   const auto error = [&](double h) {
-    ToolIntegrator tool(brick(GetParam()));
+    ToolIntegrator tool = with(GetParam());
     tool.set_tool({{{0.01, 0, 0}, Quat::Identity()}, {}});
     CouplingGains gains;
     gains.k = k;
@@ -72,7 +78,7 @@ TEST_P(BothIntegrators, OscillationAboutAFixedHandleConvergesToTheCosineAtFirstO
 }
 
 TEST_P(BothIntegrators, TheCouplingPullsTheToolTowardsTheHandleAndTheHandleTowardsTheTool) {
-  ToolIntegrator tool(brick(GetParam()));
+  ToolIntegrator tool = with(GetParam());
   tool.set_handle({{{0.01, 0, 0}, exp_so3({0, 0, 0.1})}, {}});
   tool.step(Wrench{}, ContactLoad{}, gains_of(tool), 0, kH);
   EXPECT_GT(tool.F_coupling_W().force.x(), 0);
@@ -83,7 +89,7 @@ TEST_P(BothIntegrators, TheCouplingPullsTheToolTowardsTheHandleAndTheHandleTowar
 
 TEST_P(BothIntegrators, ActionEqualsReactionAlsoUnderTheCap) {
   for (const double force_max : {1e9, 3.0}) {
-    ToolIntegrator tool(brick(GetParam()));
+    ToolIntegrator tool = with(GetParam());
     tool.set_handle({{{0.02, 0.01, 0}, exp_so3({0, 0.4, 0.2})}, {{0.1, 0.2, 0.3}, Vec3::Zero()}});
     CouplingGains gains = gains_of(tool);
     gains.force_max = force_max;
@@ -97,7 +103,7 @@ TEST_P(BothIntegrators, ActionEqualsReactionAlsoUnderTheCap) {
 }
 
 TEST_P(BothIntegrators, TheCapIsExactForceAndTorqueApart) {
-  ToolIntegrator tool(brick(GetParam()));
+  ToolIntegrator tool = with(GetParam());
   CouplingGains gains = gains_of(tool);
   gains.force_max = 10;
   gains.torque_max = 0.4;
@@ -123,7 +129,7 @@ TEST_P(BothIntegrators, TheCapIsExactForceAndTorqueApart) {
 }
 
 TEST(Implicit, TwoBodiesBySchurComplementSolveTheFullSystemOfTwelve) {
-  ToolIntegrator tool(brick(Integrator::implicit));
+  ToolIntegrator tool(brick());
   const BodyState T{{{0.01, -0.02, 0.03}, exp_so3({0.2, 0.1, -0.3})}, {{0.1, 0.2, -0.1}, {1, -2, 3}}};
   const BodyState H{{{0.012, -0.017, 0.028}, exp_so3({0.25, 0.05, -0.2})}, {{0.2, 0.1, 0.1}, {-1, 0.5, 0.2}}};
   tool.set_tool(T);
@@ -163,7 +169,7 @@ TEST(Implicit, TwoBodiesBySchurComplementSolveTheFullSystemOfTwelve) {
 }
 
 TEST(Implicit, IsStableOnAWallAMillionNewtonPerMetreStiffAtTwoHundredFiftyHertz) {
-  ToolIntegrator tool(brick(Integrator::implicit));
+  ToolIntegrator tool(brick());
   const CouplingGains gains = gains_of(tool);
   const BodyState handle{{{0, 0, -0.004}, Quat::Identity()}, {}};
   const double k = 1e6, h = 4e-3;
@@ -182,7 +188,7 @@ TEST(Implicit, IsStableOnAWallAMillionNewtonPerMetreStiffAtTwoHundredFiftyHertz)
 }
 
 TEST(Implicit, AHandleTurnedByHalfATurnIsReachedWithoutDrift) {
-  ToolIntegrator tool(brick(Integrator::implicit));
+  ToolIntegrator tool(brick());
   const Quat q = exp_so3({0, 3.1, 0});
   for (int i = 0; i < 5000; ++i) tool.step(BodyState{{Vec3::Zero(), q}, {}}, ContactLoad{}, gains_of(tool), 0, kH);
   EXPECT_LT(log_so3(tool.tool().X_W.q * q.conjugate()).norm(), 1e-6);
@@ -190,7 +196,7 @@ TEST(Implicit, AHandleTurnedByHalfATurnIsReachedWithoutDrift) {
 }
 
 TEST(RotationLocked, NeitherBodyTurnsAndNoTorqueReachesTheHand) {
-  auto params = brick(Integrator::implicit);
+  auto params = brick();
   params.rotation_locked = true;
   ToolIntegrator tool(params);
   ContactLoad contact;
@@ -204,7 +210,7 @@ TEST(RotationLocked, NeitherBodyTurnsAndNoTorqueReachesTheHand) {
 }
 
 TEST(ToolDamping, BringsTheToolToRestWithoutOvershoot) {
-  ToolIntegrator tool(brick(Integrator::implicit));
+  ToolIntegrator tool(brick());
   tool.set_tool({{}, {{1, 0, 0}, {0, 10, 0}}});
   double speed = 1;
   for (int i = 0; i < 100; ++i) {

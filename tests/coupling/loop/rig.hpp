@@ -17,16 +17,19 @@ struct Rig {
     HandMotion motion;
     double k = 10000, b = 0;  // of the wall
     int delay = 0;
-    Integrator integrator = Integrator::implicit;
     LoopParameters parameters;
     std::function<void(SimulatedDevice::Params&)> device;  // more of it
     TickQueue* records = nullptr;
+    WorkspaceMapping::Params mapping;
+    bool rotation_locked = false;
   };
 
   static LoopConfig config_of(const Options& o) {
     LoopConfig config;
     config.rate_hz = o.rate_hz;
-    config.tool.integrator = o.integrator;
+    config.tool.rotation_locked = o.rotation_locked;
+    config.reply_wait_share = 0;  // the server answers after the step, in the same thread
+    config.mapping = o.mapping;
     config.tool.inertia_shape_m2 = Vec3(4e-4, 5e-4, 8e-4).asDiagonal();
     config.parameters = o.parameters;
     config.X_WT_start.p = o.start;
@@ -45,9 +48,18 @@ struct Rig {
     return params;
   }
 
+  static Pose to_device(const Options& o, const Pose& X_W) {
+    return WorkspaceMapping(o.mapping, Pose{o.start, Quat::Identity()}).to_device(X_W);
+  }
+  static HandMotion motion_of_handle(const Options& o) {
+    HandMotion motion = o.motion;
+    for (Pose& X : motion.X_WM) X = to_device(o, X);
+    return motion;
+  }
+
   explicit Rig(const Options& o)
       : options(o),
-        device(device_of(o), o.motion, Pose{o.start, Quat::Identity()}),
+        device(device_of(o), motion_of_handle(o), to_device(o, Pose{o.start, Quat::Identity()})),
         loop(config_of(o), device, *mail, o.records) {
     wall.k = o.k / 4;
     wall.x_max = 10.0 / o.k;

@@ -117,6 +117,27 @@ TEST(SetPointGate, WhateverComesInTheDriversSpringNeverExceedsTheForceLimit) {
   }
 }
 
+TEST(SetPointGate, AHandleThatLiesCannotPullTheSetPointAwayFromItsLastSanePose) {
+  GateLimits limits;
+  SetPointGate gate(limits);
+  Hostile hostile;
+  Pose good;
+  for (int i = 0; i < 100000; ++i) {
+    const bool lies = hostile.chance(30);
+    const Quat q(hostile.number(1), hostile.number(1), hostile.number(1), hostile.number(1));
+    const Pose told = lies ? Pose{hostile.vec(0.1), q} : displaced(good, 1e-4 * Vec6::Ones());
+    if (told.finite() && told.p.cwiseAbs().maxCoeff() <= 1e6 && std::abs(told.q.norm() - 1) < 1e-3) good = told;
+    Pose sent;
+    Twist V;
+    gate.limit({hostile.vec(1), hostile.quat()}, {hostile.vec(5), hostile.vec(20)}, told, hostile.chance(99), kH, sent,
+               V);
+    ASSERT_TRUE(sent.finite() && V.vector().allFinite());
+    const Vec6 reach = displacement({good.p, good.q.normalized()}, sent);
+    ASSERT_LE(limits.spring_n_per_m * reach.head<3>().norm(), limits.force_n * (1 + 1e-6));
+    ASSERT_LE(limits.spring_nm_per_rad * reach.tail<3>().norm(), limits.torque_nm * (1 + 1e-6));
+  }
+}
+
 TEST(SetPointGate, StepsAreLimitedUnlessTheHandleItselfMovesAway) {
   const GateLimits limits;
   SetPointGate gate(limits);

@@ -175,6 +175,8 @@ TEST(Report, JsonHasEveryDocumentedKey) {
       {"pull_n", {"max"}},
       {"force_step_n", {"rms", "max"}},
       {"net_stiffness_n_per_m", {"max"}},
+      {"passivity_controller", {"ticks", "dissipated_j"}},
+      {"static_coupling", {"residual_max_n", "unsolved_ticks"}},
       {"goal", {"reached", "distance_mm", "angle_deg"}}};
   for (const auto& [group, keys] : groups) {
     for (const auto& key : keys) EXPECT_TRUE(json[group].contains(key)) << group << "." << key;
