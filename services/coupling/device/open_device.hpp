@@ -12,8 +12,7 @@ struct DeviceOptions {
   std::string mode = "pseudo-admittance";
   double rate_hz = 1000;
   Pose X_WH_start;             ///< where a simulated handle begins
-  HandMotion hand_motion;      ///< X_WM; empty: none
-  Pose X_TM;                   ///< mesh frame of the tool in T: H is where T is for a person who leads the mesh
+  HandMotion hand_motion;      ///< poses of the handle in the device's frame; empty: none
   SimulatedHand::Params hand;  ///< its grip and tremor are taken from `simulated`
   SimulatedSpec simulated;
   DeviceCapabilities recorded;  ///< playback: the device that was recorded, and what it gave
