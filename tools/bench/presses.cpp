@@ -25,7 +25,7 @@ Press make_press(const std::string& scene, const std::string& script) {
   if (scene.rfind("flat-", 0) == 0) {
     press.whole = setup_of(lockstep::flat_face(std::stoi(scene.substr(5))));
   } else if (scene == "ball") {
-    press.whole = setup_of(lockstep::ball_on_plane(20000));
+    press.whole = setup_of(lockstep::ball_on_plane(2000));
   } else if (scene == "wires") {
     press.whole = setup_of(lockstep::foot_on_wires(1600));
   } else {
@@ -36,6 +36,7 @@ Press make_press(const std::string& scene, const std::string& script) {
   }
   press.whole.delay_ticks = kDelay_ticks;
   press.setup = press.whole;
+  if (script.empty()) return press;
   // The cone slides along the floor for a while before it meets the gap: from there.
   scene == "cone" ? shorten_to_press(press.setup, 3.86, 0.001) : shorten_to_press(press.setup);
   return press;
@@ -43,7 +44,7 @@ Press make_press(const std::string& scene, const std::string& script) {
 
 lockstep::Experiment at_stiffness(const lockstep::Experiment& setup, double stiffness_n_per_m) {
   lockstep::Experiment changed = setup;
-  set_stiffness(changed.session.scene, stiffness_n_per_m, kForceMax_n, setup.bodies.field.voxel_m());
+  lockstep::set_stiffness(changed.session.scene, stiffness_n_per_m, kForceMax_n, setup.bodies.field.voxel_m());
   return changed;
 }
 

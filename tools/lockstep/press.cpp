@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "fault/fault.hpp"
+#include "math/exp_log.hpp"
 
 namespace tact::lockstep {
 namespace {
@@ -53,6 +55,22 @@ struct Window {
   }
 };
 
+/// To and fro about the last pose, in all six directions at three frequencies.
+void append_rub(HandMotion& motion) {
+  constexpr double kShift_m = 0.004, kTurn_rad = 0.02;
+  constexpr int kSteps = 60;
+  const Pose X = motion.X_WM.back();
+  const double begin_s = motion.time_s.back();
+  for (int i = 1; i <= kSteps; ++i) {
+    const double phase = 2 * std::numbers::pi * i / kSteps;
+    const double one = std::sin(phase), two = std::sin(2 * phase), three = std::sin(3 * phase);
+    Vec6 x;
+    x << kShift_m * Vec3(one, two, three), kTurn_rad * Vec3(two, three, one);
+    motion.time_s.push_back(begin_s + kRub_s * i / kSteps);
+    motion.X_WM.push_back(displaced(X, x));
+  }
+}
+
 double kinetic_energy_j(const Lockstep& rig) {
   const auto& tool = rig.config().tool;
   const TickTrace& t = rig.trace();
@@ -81,7 +99,9 @@ const char* name(Verdict::Why why) {
 }
 
 Verdict press(const Experiment& setup) {
-  Lockstep rig(setup);
+  Experiment rubbing = setup;
+  append_rub(rubbing.motion_WM);
+  Lockstep rig(rubbing);
   const double rate_hz = rig.config().rate_hz;
   const auto ticks = [rate_hz](double seconds) { return std::llround(seconds * rate_hz); };
   Verdict verdict;
@@ -101,9 +121,9 @@ Verdict press(const Experiment& setup) {
     }
     return true;
   };
-  // Half a second until the coupling is at full strength, then the motion.
+  // Half a second until the coupling is at full strength, then motion and rub.
   constexpr double kLive_s = 1.5;
-  for (long long n = ticks(kLive_s + kMotion_s); n > 0 && !rig.trace().script_done; --n) {
+  for (long long n = ticks(kLive_s + kMotion_s + kRub_s); n > 0 && !rig.trace().script_done; --n) {
     if (!one()) return verdict;
   }
   const bool lived = run(ticks(kSettle_s), [] {}) && (port_before_j = rig.trace().port_energy_j, true) &&
