@@ -46,7 +46,7 @@ class InstalledTree(unittest.TestCase):
         self.assertIn(done.returncode, (0, 1), done.stderr)
         checks = {finding["check"]: finding for finding in json.loads(done.stdout)}
         for check in ("real-time priority", "locked memory", "shared memory", "RouDi", "DDS", "CPU idle states",
-                      "CPU features", "real-time throttling", "kernel"):
+                      "CPU features", "real-time throttling", "kernel", "haptic device"):
             self.assertIn(check, checks)
             self.assertIn(checks[check]["level"], ("ok", "warn", "fail"))
             self.assertTrue(checks[check]["level"] == "ok" or checks[check]["advice"], check)

@@ -12,7 +12,8 @@ int run(const RunOptions& options);
 int bake(const RunOptions& options, bool json);
 int scenes(bool json);
 int status(bool json);
-int doctor(bool json);
+/// `machine_file`: empty: this machine's, or none.
+int doctor(const std::filesystem::path& machine_file, bool json);
 /// Exit code 0: the same, 1: it differs. `factor` on the tolerances.
 int replay(const std::filesystem::path& recording, double factor, bool json);
 /// `png` empty: beside the recording, or no picture when there is a CSV.

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "cli/commands.hpp"
+#include "coupling/device/virtuose/virtuose_library.hpp"
 #include "fault/fault.hpp"
 #include "link/participant.hpp"
 #include "link/roudi_probe.hpp"
@@ -206,15 +207,40 @@ Finding kernel() {
           "fine for a simulated device; for a real one install linux-image-rt-amd64: outliers of milliseconds go away"};
 }
 
-std::vector<Finding> look() {
-  return {cpu_count(),   cpu_features(), kernel(),       realtime_priority(), locked_memory(), realtime_throttling(),
-          dma_latency(), cpu_governor(), clock_source(), shared_memory(),     roudi(),         dds()};
+/// What the machine file names can be loaded. Whether the arm answers only a session asks: it takes one client.
+Finding haptic_device(const std::filesystem::path& machine_file) {
+  Session session;
+  try {
+    load_machine_file(machine_file, session);
+    const MachineSpec& machine = session.machine;
+    if (machine.device != "virtuose") return {"haptic device", Level::ok, machine.device, ""};
+    const std::string library = coupling::virtuose::load_library(machine.virtuose.library).name;
+    return {"haptic device", Level::ok, "virtuose, library " + library + " loads and has all calls", ""};
+  } catch (const SetupError& e) {
+    return {"haptic device", Level::fail, e.what(), "mend the machine file; --device simulated needs no arm"};
+  }
+}
+
+std::vector<Finding> look(const std::filesystem::path& machine_file) {
+  return {cpu_count(),
+          cpu_features(),
+          kernel(),
+          realtime_priority(),
+          locked_memory(),
+          realtime_throttling(),
+          dma_latency(),
+          cpu_governor(),
+          clock_source(),
+          shared_memory(),
+          roudi(),
+          dds(),
+          haptic_device(machine_file)};
 }
 
 }  // namespace
 
-int doctor(bool json) {
-  const auto findings = look();
+int doctor(const std::filesystem::path& machine_file, bool json) {
+  const auto findings = look(machine_file);
   bool failed = false;
   auto list = nlohmann::ordered_json::array();
   for (const Finding& f : findings) {

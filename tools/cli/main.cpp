@@ -157,9 +157,11 @@ int run_tact(int argc, char** argv) {
 
   auto* doctor = app.add_subcommand("doctor", "Look at this machine: what is missing, and what to do");
   doctor->add_flag("--json", json, "As JSON");
+  std::filesystem::path doctor_machine;
+  doctor->add_option("--machine", doctor_machine, "Machine file (default: /etc/tact/machine.toml, if there)");
   doctor->footer(
       "Exit status 0: sessions run here (warnings make them late or slow), 1: they do not.\nExample:\n  tact doctor");
-  doctor->callback([&] { code = tact::cli::doctor(json); });
+  doctor->callback([&] { code = tact::cli::doctor(doctor_machine, json); });
 
   std::filesystem::path recording, png, csv;
   double factor = 1;

@@ -53,6 +53,15 @@ void use_meshes(const RunOptions& options, Session& session) {
 
 }  // namespace
 
+void load_machine_file(const fs::path& stated, Session& session) {
+  const fs::path system = "/etc/tact/machine.toml";
+  if (!stated.empty()) {
+    load_machine(stated, session);
+  } else if (fs::exists(system)) {
+    load_machine(system, session);
+  }
+}
+
 Session resolve(const RunOptions& options) {
   Session session;
   const bool own_bodies = !options.obstacle.empty() && !options.tool.empty();
@@ -65,11 +74,7 @@ Session resolve(const RunOptions& options) {
     throw SetupError(
         "scene: found none, expected the name of a scene (tact scenes), a scene file, or --obstacle and --tool");
   }
-  if (!options.machine_file.empty()) {
-    load_machine(options.machine_file, session);
-  } else if (const fs::path system = "/etc/tact/machine.toml"; fs::exists(system)) {
-    load_machine(system, session);
-  }
+  load_machine_file(options.machine_file, session);
   use_meshes(options, session);
   for (const Setting& setting : options.settings) apply(setting, session);
   check_session(session);

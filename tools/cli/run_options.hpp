@@ -24,6 +24,9 @@ struct RunOptions {
 /// left to whoever runs it. Throws SetupError naming the option or the key.
 Session resolve(const RunOptions& options);
 
+/// The machine file stated, or this machine's, /etc/tact/machine.toml, or none. Throws SetupError.
+void load_machine_file(const std::filesystem::path& stated, Session& session);
+
 /// Sets the key; error texts begin with the option.
 void apply(const Setting& setting, Session& session);
 
