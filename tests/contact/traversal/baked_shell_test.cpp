@@ -26,10 +26,11 @@ std::shared_ptr<const Pointshell> shell(const Mesh& mesh, int points) {
 
 /// The promise that counts, on what is really baked, from sound meshes and from spoiled ones.
 TEST(Traversal, EqualsBruteForceOnBakedFieldsAndShells) {
-  const Mesh torus = test::torus_mesh(0.04, 0.012, 40, 24);
-  const Mesh block = test::box_mesh(Vec3(-0.03, -0.02, -0.01), Vec3(0.03, 0.02, 0.01));
-  const std::vector<DistanceField> fields = {field(torus, 48), field(test::unwelded(test::doubly_faced(torus)), 48),
-                                             field(test::flipped(block, 3), 40)};
+  const Mesh torus = tact::test::torus_mesh(0.04, 0.012, 40, 24);
+  const Mesh block = tact::test::box_mesh(Vec3(-0.03, -0.02, -0.01), Vec3(0.03, 0.02, 0.01));
+  const std::vector<DistanceField> fields = {field(torus, 48),
+                                             field(tact::test::unwelded(tact::test::doubly_faced(torus)), 48),
+                                             field(tact::test::flipped(block, 3), 40)};
   const std::vector<std::shared_ptr<const Pointshell>> shells = {shell(torus, 3000), shell(block, 3000)};
   std::mt19937 rng(51);
   std::uniform_real_distribution<double> place(-0.05, 0.05), turn(-3, 3);
