@@ -72,16 +72,21 @@ TEST_P(LoopProgramAtRate, KeepsItsGridAndNoTickFaultsAPageOrAllocates) {
 INSTANTIATE_TEST_SUITE_P(Hz, LoopProgramAtRate, ::testing::Values(500, 1000, 2000, 4000),
                          [](const auto& i) { return std::to_string(i.param); });
 
-/// Contact force by the recorded tick that was played, or by the tick itself.
-std::map<long, Vec3> forces(const std::filesystem::path& file, bool played) {
+/// What the coupling felt in a tick, and how many ticks old that was.
+struct Felt {
+  Vec3 force_n;
+  std::uint64_t lag;
+};
+/// By the recorded tick that was played, or by the tick itself.
+std::map<long, Felt> felt(const std::filesystem::path& file, bool played) {
   RecordingReader in(file);
-  std::map<long, Vec3> out;
+  std::map<long, Felt> out;
   for (auto entry = in.next(); entry != RecordingReader::Entry::end; entry = in.next()) {
     if (entry != RecordingReader::Entry::tick) continue;
     const auto& t = in.tick();
     const long tick =
         played ? std::lround(t.reading.script_time_s * in.info().config.rate_hz) : static_cast<long>(t.tick.index);
-    out[tick] = t.F_contact_W.force;
+    out[tick] = {t.F_contact_W.force, t.pose_seq - t.reply_seq};
   }
   return out;
 }
@@ -89,8 +94,9 @@ std::map<long, Vec3> forces(const std::filesystem::path& file, bool played) {
 class LoopProgramInMode : public LoopProgram, public ::testing::WithParamInterface<const char*> {};
 
 TEST_P(LoopProgramInMode, ARecordedSessionReplaysBitForBitAndItsPlaybackGivesTheSameWrench) {
-  // 250 Hz: a reply a tick also on a busy machine. What is compared is the wrench by played tick: where a reply was
-  // late in one of the two and not in the other, they differ for as long.
+  // Compared is the contact force by played tick, where replies came alike in both sessions for the last quarter of a
+  // second: a reply that is late in only one of them moves the tool a little, and that dies away. 250 Hz: late replies
+  // are rare also on a busy machine.
   const auto recorded = program_.dir() / "recorded.tick", played = program_.dir() / "played.tick";
   program_.session.machine.rate_hz = 250;
   program_.session.machine.mode = GetParam();
@@ -126,24 +132,25 @@ TEST_P(LoopProgramInMode, ARecordedSessionReplaysBitForBitAndItsPlaybackGivesThe
     coupling.signal(SIGTERM);
     ASSERT_EQ(coupling.wait(20s), 0) << coupling.output();
   }
-  const auto was = forces(recorded, false), is = forces(played, true);
-  double squares = 0, largest = 0, strongest = 0;
-  std::size_t n = 0;
-  for (const auto& [tick, force] : is) {
-    const auto found = was.find(tick);
-    if (found == was.end()) continue;
-    const double apart = (force - found->second).norm();
-    squares += apart * apart;
+  const auto was = felt(recorded, false), is = felt(played, true);
+  double largest = 0, largest_ever = 0, strongest = 0;
+  int alike = 0, compared = 0;
+  for (const auto& [tick, now] : is) {
+    const auto then = was.find(tick);
+    if (then == was.end()) continue;
+    const double apart = (now.force_n - then->second.force_n).norm();
+    largest_ever = std::max(largest_ever, apart);
+    alike = now.lag == then->second.lag ? alike + 1 : 0;
+    if (alike <= 62) continue;
+    ++compared;
     largest = std::max(largest, apart);
-    strongest = std::max(strongest, found->second.norm());
-    ++n;
+    strongest = std::max(strongest, then->second.force_n.norm());
   }
-  const double rms = std::sqrt(squares / static_cast<double>(n));
-  std::printf("%s: playback against recording over %zu ticks: rms %.4f N, largest %.4f N of %.2f N\n", GetParam(), n,
-              rms, largest, strongest);
-  EXPECT_GT(n, 500u);
+  std::printf("%s: playback against recording, %d of %zu ticks compared: %.4f N apart at most, %.2f N anywhere\n",
+              GetParam(), compared, is.size(), largest, largest_ever);
+  EXPECT_GT(compared, 100);
   EXPECT_GT(strongest, 9.5);
-  EXPECT_LT(rms, 0.1);
+  EXPECT_LT(largest, 0.1);
 }
 INSTANTIATE_TEST_SUITE_P(Modes, LoopProgramInMode, ::testing::Values("impedance", "pseudo-admittance"),
                          [](const auto& i) { return i.index == 0 ? "impedance" : "pseudo_admittance"; });
