@@ -21,7 +21,8 @@ struct BodySpec {
 
 struct ContactSpec {
   std::string law = "potential";  ///< none global cluster adaptive-3dof adaptive-6dof potential
-  /// "gradient": forces along the field's gradient, conservative. "normal": along the point's normal, [P] eq. 1.
+  /// "gradient": forces along the field's gradient, conservative. "held": the same, held by thin parts. "normal": along
+  /// the point's normal, [P] eq. 1.
   std::string force_along = "gradient";
   double stiffness_n_per_m = 0;  ///< k; 0: f_max_n / x_max_m. Above 0 it holds, and F_max = k x_max
   double f_max_n = 10;           ///< F_max = k x_max (eq. 15)

@@ -22,5 +22,9 @@ void bench_work(const Effort& effort, Report& report);
 void bench_growth(const Effort& effort, Report& report);
 void bench_start(const Effort& effort, Report& report);
 void bench_accuracy(const Effort& effort, Report& report);
+void bench_cluster(const Effort& effort, Report& report);
+void bench_gradient(const Effort& effort, Report& report);
+void bench_walls(const Effort& effort, Report& report);
+void bench_wedge(const Effort& effort, Report& report);
 
 }  // namespace tact::bench

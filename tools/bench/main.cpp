@@ -26,6 +26,10 @@ constexpr Benchmark kBenchmarks[] = {
     {"growth", "Tick time by points, voxels and contacts", tact::bench::bench_growth},
     {"start", "Files in the cache to first wrench", tact::bench::bench_start},
     {"accuracy", "Time and error by resolution, points and law", tact::bench::bench_accuracy},
+    {"cluster", "Contacts that law cluster leaves, by distance", tact::bench::bench_cluster},
+    {"gradient", "What G foretells of the next wrench, and what weights do, by law", tact::bench::bench_gradient},
+    {"walls", "What thin parts bear, and closed paths through them, by direction of force", tact::bench::bench_walls},
+    {"wedge", "Stiffness felt of a wedge against its angle, by law and eigen-filtered", tact::bench::bench_wedge},
 };
 
 int run_bench(int argc, char** argv) {

@@ -1,0 +1,36 @@
+// How many contacts are left by law `cluster`, [P] fig. 12: its actuator on the landing gear has 78, of which 7 remain.
+#include "bench/benchmarks.hpp"
+#include "bench/scene.hpp"
+
+namespace tact::bench {
+
+void bench_cluster(const Effort& effort, Report& report) {
+  report.say(
+      "Poses along the cheat with 70 to 86 contacts, up to 2 voxels deep. Spacing: the largest gap of the shell.");
+  std::vector<Report::Row> rows;
+  for (const std::string name : {"engine", "landing-gear"}) {
+    if (effort.quick && name == "landing-gear") continue;
+    const LoadedScene scene = load_scene_by_name(name);
+    const double voxel = scene.field.voxel_m();
+    const auto near = poses_along(scene, "cheat", 40000, 2 * voxel, 0.05, 29);
+    const auto poses = with_contacts(scene, near, 70, 86, effort.scaled(50), 2 * voxel);
+    const auto all = scene.pipeline("none");
+    for (const double voxels : {0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 3.0}) {
+      LoadedScene with = scene;
+      with.spec.contact.cluster_voxels = voxels;
+      const auto clusters = with.pipeline("cluster");
+      double before = 0, after = 0;
+      for (const Pose& X_WM : poses) {
+        const auto query = scene.query(X_WM);
+        before += static_cast<double>(all->step(query).contact_count);
+        after += static_cast<double>(clusters->step(query).contact_count);
+      }
+      const double n = static_cast<double>(poses.size());
+      rows.push_back(
+          {name, number(scene.shell->spacing_m / voxel), number(voxels), number(before / n), number(after / n)});
+    }
+  }
+  report.table({"scene", "spacing, voxels", "contact.cluster_voxels", "contacts", "clusters"}, rows);
+}
+
+}  // namespace tact::bench
