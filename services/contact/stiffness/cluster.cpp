@@ -45,8 +45,9 @@ Cluster::Cluster(const Pointshell& shell, double radius_m, std::size_t capacity,
     : weigher_(std::move(weigher)),
       near_begin_(shell.size() + 1),
       place_(shell.size()),
-      members_(std::min(capacity, shell.size())),
-      groups_(members_.size()) {
+      root_(std::min(capacity, shell.size())),
+      members_(root_.size()),
+      groups_(root_.size()) {
   for (const auto& [i, j] : near_pairs(shell, radius_m)) {
     ++near_begin_[i + 1];
     near_.push_back(j);
@@ -55,45 +56,45 @@ Cluster::Cluster(const Pointshell& shell, double radius_m, std::size_t capacity,
 }
 
 void Cluster::weigh(ContactBuffer& contacts) noexcept {
-  link(contacts);
-  merge(contacts);
+  group_count_ = 0;
+  if (link(contacts)) merge(contacts);
   weigher_->weigh(contacts);
   for (std::size_t c = 0; c < group_count_; ++c) groups_[c].weight = contacts.weight[c];
 }
 
-std::uint32_t Cluster::find_root(std::uint32_t member) noexcept {
-  while (members_[member].root != member) {
-    members_[member].root = members_[members_[member].root].root;
-    member = members_[member].root;
+std::uint32_t Cluster::find_root(std::uint32_t contact) noexcept {
+  while (root_[contact] != contact) {
+    root_[contact] = root_[root_[contact]];
+    contact = root_[contact];
   }
-  return member;
+  return contact;
 }
 
-/// Copies the contacts, and joins those that are near each other under the first of them.
-void Cluster::link(const ContactBuffer& contacts) noexcept {
+/// Joins contacts that are near each other under the first of them. False: there are none.
+bool Cluster::link(const ContactBuffer& contacts) noexcept {
   ++tick_;
+  bool any = false;
   for (std::uint32_t i = 0; i < contacts.size; ++i) {
     const std::uint32_t id = contacts.point_id[i];
-    members_[i] = {contacts.r[i], contacts.N[i], contacts.g[i], contacts.depth_m[i], i, kNone, 0};
     place_[id] = {tick_, i};
-  }
-  for (std::uint32_t i = 0; i < contacts.size; ++i) {
-    const std::uint32_t id = contacts.point_id[i];
-    for (std::uint32_t n = near_begin_[id]; n < near_begin_[id + 1]; ++n) {
+    root_[i] = i;
+    for (std::uint32_t n = near_begin_[id]; n < near_begin_[id + 1]; ++n) {  // of lower id: they have been here
       const Place& other = place_[near_[n]];
       if (other.tick != tick_) continue;
-      const std::uint32_t a = find_root(i), b = find_root(other.member);
-      members_[std::max(a, b)].root = std::min(a, b);
+      const std::uint32_t a = find_root(i), b = find_root(other.contact);
+      root_[std::max(a, b)] = std::min(a, b);
+      any = true;
     }
   }
+  return any;
 }
 
 /// Writes the groups over the contacts. A root comes before the other members, so it opens its group.
 void Cluster::merge(ContactBuffer& contacts) noexcept {
-  group_count_ = 0;
   along_normal_ = contacts.force_along == ForceDirection::normal;
   for (std::uint32_t i = 0; i < contacts.size; ++i) {
     Member& m = members_[i];
+    m = {contacts.r[i], contacts.N[i], contacts.g[i], contacts.depth_m[i], kNone, 0};
     const std::uint32_t root = find_root(i), flags = contacts.flags[i];
     if (root == i) {
       m.group = static_cast<std::uint32_t>(group_count_++);

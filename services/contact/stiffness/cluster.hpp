@@ -23,6 +23,7 @@ class Cluster final : public Law {
   Cluster(const Pointshell& shell, double radius_m, std::size_t capacity, std::unique_ptr<Law> weigher);
 
   /// Replaces the contacts by one for each group, in ascending order of point_id, and weighs these.
+  /// @pre contacts in ascending order of point_id, as the traversal finds them
   void weigh(ContactBuffer& contacts) noexcept override;
   /// What the law that weighs includes, and in `sh` how shares a_i follow the depths: exact while weights of groups do
   /// not (all laws but potential).
@@ -32,9 +33,8 @@ class Cluster final : public Law {
   struct Member {
     Vec3 r, N, g;
     double depth_m;
-    std::uint32_t root;   // member with the lowest id of this group, so far
     std::uint32_t next;   // of the same group, ascending; kNone: the last
-    std::uint32_t group;  // of a root
+    std::uint32_t group;  // of the first in a group
   };
   struct Group {
     Vec3 r, N, g;
@@ -42,8 +42,8 @@ class Cluster final : public Law {
     std::uint32_t first = 0, last = 0;  // members
   };
 
-  void link(const ContactBuffer& contacts) noexcept;
-  std::uint32_t find_root(std::uint32_t member) noexcept;
+  bool link(const ContactBuffer& contacts) noexcept;
+  std::uint32_t find_root(std::uint32_t contact) noexcept;
   void merge(ContactBuffer& contacts) noexcept;
 
   std::unique_ptr<Law> weigher_;
@@ -51,11 +51,12 @@ class Cluster final : public Law {
   std::vector<std::uint32_t> near_begin_, near_;
   struct Place {
     std::uint64_t tick = 0;  // of its last contact: nothing needs clearing
-    std::uint32_t member = 0;
+    std::uint32_t contact = 0;
   };
   std::vector<Place> place_;  // per point
   std::uint64_t tick_ = 0;
-  std::vector<Member> members_;
+  std::vector<std::uint32_t> root_;  // per contact: one of lower or equal id in its group; its own: the first
+  std::vector<Member> members_;      // per contact, when there are groups of several
   std::vector<Group> groups_;
   std::size_t group_count_ = 0;
   bool along_normal_ = false;
