@@ -91,7 +91,7 @@ double DistanceField::outside_clearance(const Vec3& u) const noexcept {
   const Vec3 nearest = u.cwiseMax(kInset).cwiseMin((cells_.array() - kInset).matrix());
   double square = 0;
   for (int i = 0; i < 3; ++i) square += (u[i] - nearest[i]) * (u[i] - nearest[i]);
-  return beyond(voxel_m_ * std::sqrt(square), probe_cell(cell_at(nearest), kAll).clearance_m, kInsetSlack * voxel_m_);
+  return beyond(voxel_m_ * std::sqrt(square), probe_cell(cell_at(nearest)).clearance_m, kInsetSlack * voxel_m_);
 }
 
 double DistanceField::lower_bound(const Vec3& p_O) const noexcept {

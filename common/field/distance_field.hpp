@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <span>
 
@@ -56,11 +55,7 @@ class DistanceField {
   /// R < clearance_m holds no contact. Holds for the field *as stored* (interpolation, rounding, dirty input with
   /// jumping signs included), so a traversal that culls by it finds exactly what brute force finds. Negative where
   /// nothing can be promised. One block look-up; sharper near the surface than lower_bound() (README).
-  ///
-  /// Who asks only whether the clearance is more than `enough_m` >= 0 says so: where the coarse entry alone promises
-  /// it, corners are not read. Then value_m is band_m() (the sample is not negative) and clearance_m that promise.
-  Probe probe(const Vec3& p_O, double enough_m = kAll) const noexcept;
-  static constexpr double kAll = std::numeric_limits<double>::infinity();
+  Probe probe(const Vec3& p_O) const noexcept;
 
   /// Points as three arrays.
   struct Points {
@@ -74,12 +69,8 @@ class DistanceField {
   static constexpr std::uint8_t kInBand = 1, kDoubtful = 2;
 
   /// Many points at once: for each, bit for bit what probe() and sample() answer. Several times faster: arithmetic with
-  /// the widest SIMD the processor has, and the memory accesses of many points under way together. `enough_m`: one a
-  /// point; null: kAll for each.
-  void probe(const Points& points, const double* enough_m, double* value_m, double* clearance_m) const noexcept;
-  void probe(const Points& points, double* value_m, double* clearance_m) const noexcept {
-    probe(points, nullptr, value_m, clearance_m);
-  }
+  /// the widest SIMD the processor has, and the memory accesses of many points under way together.
+  void probe(const Points& points, double* value_m, double* clearance_m) const noexcept;
   void sample(const Points& points, const Samples& samples) const noexcept;
 
   double voxel_m() const noexcept { return voxel_m_; }
@@ -107,7 +98,7 @@ class DistanceField {
     double f[3];  ///< in [0, 1]
   };
   Corners corners(const Cell& c) const noexcept;
-  Probe probe_cell(const Cell& c, double enough_m) const noexcept;
+  Probe probe_cell(const Cell& c) const noexcept;
   double outside_clearance(const Vec3& u) const noexcept;
   double boundary_bound(const Cell& c) const noexcept;
   void adopt(const FieldGrid& grid, const CoarseEntry* coarse, const FieldBlock* blocks) noexcept;
@@ -196,19 +187,18 @@ inline DistanceField::Sample DistanceField::sample(const Vec3& p_O) const noexce
   return {value, inverse_voxel_ * Vec3(gx, gy, y1 - y0), true, doubtful};
 }
 
-inline DistanceField::Probe DistanceField::probe(const Vec3& p_O, double enough_m) const noexcept {
+inline DistanceField::Probe DistanceField::probe(const Vec3& p_O) const noexcept {
   const Cell c = find(p_O);
   if (c.entry == nullptr) return {band_m_, outside_clearance(c.u)};
-  return probe_cell(c, enough_m);
+  return probe_cell(c);
 }
 
-inline DistanceField::Probe DistanceField::probe_cell(const Cell& c, double enough_m) const noexcept {
+inline DistanceField::Probe DistanceField::probe_cell(const Cell& c) const noexcept {
   const double free = boundary_bound(c) - kFarSlack * voxel_m_;  // of a point where the field is positive
   if (!c.entry->stored()) {
     if (c.entry->inside()) return {-band_m_, -band_m_};
     return {band_m_, free};
   }
-  if (c.entry->positive() && free > enough_m) return {band_m_, free};
   const Corners k = corners(c);
   const double fx = k.f[0], fy = k.f[1], fz = k.f[2], ex = 1 - fx, ey = 1 - fy, ez = 1 - fz;
   const double value = ((k.v[0] * ex + k.v[1] * fx) * ey + (k.v[2] * ex + k.v[3] * fx) * fy) * ez +

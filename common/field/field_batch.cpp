@@ -124,15 +124,13 @@ HWY_INLINE V far_sign(const Scratch& s, std::size_t i) {
   return hn::IfThenElseZero(hn::Eq(slot, hn::Set(d, static_cast<double>(CoarseEntry::kNotStored))), sign);
 }
 
-/// Sets free and slope. Where the entry alone promises more than `enough_m` (null: never) the flags become those of a
-/// block that is not stored.
-HWY_INLINE void promise(const BatchView& field, std::size_t count, const double* enough_m, Scratch& s) {
+/// Sets free and slope.
+HWY_INLINE void promise(const BatchView& field, std::size_t count, Scratch& s) {
   const D d;
   const I di;
   const hn::Rebind<float, D> single;
   const auto high = hn::Set(di, static_cast<std::int32_t>(0xFFFF0000u));
   const V zero = hn::Zero(d), voxel = hn::Set(d, field.voxel_m), slack = hn::Set(d, field.far_slack_m);
-  const V positive = hn::Set(d, static_cast<double>(CoarseEntry::kPositive));
   const auto wide = [&](auto bits) { return hn::PromoteTo(d, hn::BitCast(single, bits)); };
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     const auto xy = hn::LoadU(di, s.tilt_xy + i), zs = hn::LoadU(di, s.tilt_z_slope + i);
@@ -145,15 +143,6 @@ HWY_INLINE void promise(const BatchView& field, std::size_t count, const double*
     const V free = hn::Sub(hn::Mul(voxel, hn::Sqrt(hn::Max(square, zero))), slack);
     hn::StoreU(free, d, s.free + i);
     hn::StoreU(wide(hn::And(zs, high)), d, s.slope + i);
-    if (enough_m == nullptr) continue;
-    const auto flags = hn::LoadU(di, s.flags + i);
-    const V sign = hn::PromoteTo(d, hn::And(flags, hn::Set(di, static_cast<std::int32_t>(CoarseEntry::kPositive))));
-    const V inside_grid = hn::LoadU(d, s.out_square + i);
-    const auto known =
-        hn::And(hn::And(hn::Eq(sign, positive), hn::Eq(inside_grid, zero)), hn::Gt(free, hn::LoadU(d, enough_m + i)));
-    const auto mask = hn::DemoteTo(di, hn::IfThenElseZero(known, hn::Set(d, 1.0)));  // 1: not stored, as it were
-    const auto not_stored = hn::And(hn::Neg(mask), hn::Set(di, static_cast<std::int32_t>(CoarseEntry::kNotStored)));
-    hn::StoreU(hn::Or(flags, not_stored), di, s.flags + i);
   }
 }
 
@@ -169,12 +158,11 @@ HWY_INLINE void corners(const BatchView& field, const Scratch& s, std::size_t i,
 HWY_INLINE V mean(V a, V weight_a, V b, V weight_b) { return hn::Add(hn::Mul(a, weight_a), hn::Mul(b, weight_b)); }
 
 /// @pre points.size is a multiple of 8, as in sample_chunk
-void probe_chunk(const BatchView& field, const DistanceField::Points& points, const double* enough_m, double* value_m,
-                 double* clearance_m) {
+void probe_chunk(const BatchView& field, const DistanceField::Points& points, double* value_m, double* clearance_m) {
   Scratch s;
   locate(field, points, s);
   fetch_entries(field, points.size, s);
-  promise(field, points.size, enough_m, s);
+  promise(field, points.size, s);
   fetch_corners(field, points.size, s);
   const D d;
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0), band = hn::Set(d, field.band_m),
@@ -267,26 +255,6 @@ namespace tact {
 HWY_EXPORT(probe_chunk);
 HWY_EXPORT(sample_chunk);
 
-struct BatchAccess {
-  static BatchView view(const DistanceField& f) noexcept {
-    return {f.coarse_,
-            f.blocks_,
-            {f.min_O_.x(), f.min_O_.y(), f.min_O_.z()},
-            {f.cells_.x(), f.cells_.y(), f.cells_.z()},
-            f.voxel_m_,
-            f.inverse_voxel_,
-            f.band_m_,
-            f.scale_m_,
-            DistanceField::kFarSlack * f.voxel_m_,
-            DistanceField::kInset,
-            DistanceField::kInsetSlack * f.voxel_m_,
-            DistanceField::kFaces * f.scale_m_,
-            DistanceField::kFarthest,
-            static_cast<std::int32_t>(f.row_),
-            static_cast<std::int32_t>(f.slice_)};
-  }
-};
-
 namespace {
 
 /// A chunk of fewer points than whole vectors: with room to read and write beyond them.
@@ -309,21 +277,15 @@ DistanceField::Points part(const DistanceField::Points& all, std::size_t begin) 
 
 }  // namespace
 
-void DistanceField::probe(const Points& points, const double* enough_m, double* value_m,
-                          double* clearance_m) const noexcept {
+void DistanceField::probe(const Points& points, double* value_m, double* clearance_m) const noexcept {
   const BatchView view = BatchAccess::view(*this);
   for (std::size_t begin = 0; begin < points.size; begin += kBatchChunk) {
     const Points chunk = part(points, begin);
-    const double* enough = enough_m == nullptr ? nullptr : enough_m + begin;
     if (chunk.size % 8 == 0) {
-      HWY_DYNAMIC_DISPATCH(probe_chunk)(view, chunk, enough, value_m + begin, clearance_m + begin);
+      HWY_DYNAMIC_DISPATCH(probe_chunk)(view, chunk, value_m + begin, clearance_m + begin);
     } else {
-      double value[kBatchChunk], clearance[kBatchChunk], enough_padded[kBatchChunk] = {};
-      if (enough != nullptr) {
-        std::memcpy(enough_padded, enough, chunk.size * sizeof(double));
-        enough = enough_padded;
-      }
-      HWY_DYNAMIC_DISPATCH(probe_chunk)(view, Padded(chunk).points(), enough, value, clearance);
+      double value[kBatchChunk], clearance[kBatchChunk];
+      HWY_DYNAMIC_DISPATCH(probe_chunk)(view, Padded(chunk).points(), value, clearance);
       std::memcpy(value_m + begin, value, chunk.size * sizeof(double));
       std::memcpy(clearance_m + begin, clearance, chunk.size * sizeof(double));
     }

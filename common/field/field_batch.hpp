@@ -12,6 +12,27 @@ struct BatchView {
   std::int32_t row, slice;
 };
 
+/// What batch kernels may see.
+struct BatchAccess {
+  static BatchView view(const DistanceField& f) noexcept {
+    return {f.coarse_,
+            f.blocks_,
+            {f.min_O_.x(), f.min_O_.y(), f.min_O_.z()},
+            {f.cells_.x(), f.cells_.y(), f.cells_.z()},
+            f.voxel_m_,
+            f.inverse_voxel_,
+            f.band_m_,
+            f.scale_m_,
+            DistanceField::kFarSlack * f.voxel_m_,
+            DistanceField::kInset,
+            DistanceField::kInsetSlack * f.voxel_m_,
+            DistanceField::kFaces * f.scale_m_,
+            DistanceField::kFarthest,
+            static_cast<std::int32_t>(f.row_),
+            static_cast<std::int32_t>(f.slice_)};
+  }
+};
+
 /// Points are taken in chunks whose scratch stays in the first-level cache.
 inline constexpr std::size_t kBatchChunk = 64;
 

@@ -25,9 +25,9 @@ struct Findings {
 bool is_rigid(const Pose& X) noexcept;
 
 /// Finds the shell points inside the field: breadth-first over all levels, always completed. A subtree is skipped only
-/// when the field promises that no sample in its sphere is negative (DistanceField::probe), so the contacts are
-/// exactly those of brute force over all points: { i : sample(X_OT p_i).value_m < 0 }, points placed by place(), in
-/// ascending order of id.
+/// when the field promises that no sample in its sphere is negative (clearances(), in single precision, its rounding
+/// allowed for); what is left is sampled in double. So the contacts are exactly those of brute force over all points: {
+/// i : sample(X_OT p_i).value_m < 0 }, points placed by place(), in ascending order of id.
 ///
 /// All scratch is allocated here (48 bytes a point); find() does not allocate, lock or throw. Cost: one block look-up
 /// for each node visited, a few ns: nodes of a level are taken many at a time (README).
@@ -51,6 +51,14 @@ class Traversal {
     double depth_m;
     std::uint32_t id;
   };
+  /// Where the tool is: exactly, and as cells of the field for culling.
+  struct Frame {
+    Mat3 R_OT;
+    Vec3 p_OT;
+    Mat3 A;       ///< R_OT / h
+    Vec3 b;       ///< (p_OT - min_O) / h
+    float slack;  ///< cells: of clearances, and of what rounding displaces
+  };
   /// Children side by side. Nodes that are taken together with their children have none.
   struct Family {
     std::uint32_t begin, count;
@@ -61,21 +69,22 @@ class Traversal {
     std::vector<std::uint32_t> id;
   };
 
-  void search(const Mat3& R_OT, const Vec3& p_OT, bool want_clearance, Findings& found) noexcept;
+  Frame frame_of(const Pose& X_OT) const noexcept;
+  float search(const Frame& frame, bool want_clearance, Findings& found) noexcept;
   void append(Family family, Queue& to) const noexcept;
-  void visit(std::span<const std::uint32_t> ids, const Mat3& R_OT, const Vec3& p_OT, Queue& next,
-             double& clearance) noexcept;
-  void keep_deepest(ContactBuffer& contacts, Findings& found) noexcept;
-  void fill(const Mat3& R_OT, const Vec3& p_OT, ContactBuffer& contacts, Findings& found) noexcept;
+  void visit(std::span<const std::uint32_t> ids, const Frame& frame, Queue& next, float& clearance) noexcept;
+  void keep_deepest(const Frame& frame, ContactBuffer& contacts, Findings& found) noexcept;
+  void fill(const Frame& frame, ContactBuffer& contacts, Findings& found) noexcept;
 
   DistanceField field_;
   std::shared_ptr<const Pointshell> shell_;
   std::vector<Node> nodes_;
   std::vector<Family> families_;  ///< of the nodes before the leaves
   Queue level_, next_level_;
-  std::vector<Candidate> candidates_;
+  std::vector<Candidate> candidates_;  ///< points that may be in contact
   std::size_t candidate_count_ = 0;
   std::uint32_t top_size_ = 0;  ///< nodes of the top levels, taken at once whatever they promise
+  double farthest_m_ = 0;       ///< a node from To
   bool touched_ = false;        ///< the last find() had contacts
 };
 
