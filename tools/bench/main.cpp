@@ -37,7 +37,7 @@ int run_bench(int argc, char** argv) {
   app.get_formatter()->column_width(28);
   std::vector<std::string> names;
   tact::bench::Effort effort;
-  std::string json;
+  std::string json, plots;
   std::string known = "Benchmarks (default: all):\n";
   for (const Benchmark& b : kBenchmarks) {
     known += "  " + std::string(b.name) + std::string(11 - std::string(b.name).size(), ' ') + b.what + "\n";
@@ -45,7 +45,7 @@ int run_bench(int argc, char** argv) {
   app.add_option("NAME", names, "Benchmarks to run, see below");
   app.add_flag("--quick", effort.quick, "Smaller cases, fewer repetitions");
   app.add_option("--json", json, "Write all tables and bars to this file too");
-  app.add_option("--plot", effort.plots, "Draw what growth found as pictures in this folder")->type_name("DIR");
+  app.add_option("--plot", plots, "Draw what growth found as pictures in this folder")->type_name("DIR");
   app.footer(
       known +
       "Times are medians and 99th percentiles of calls that take turns with the peer's. Exit status 0, or 3 when\n"
@@ -64,9 +64,10 @@ int run_bench(int argc, char** argv) {
       throw tact::SetupError("no benchmark '" + name + "' (tact bench --help lists them)");
     }
   }
-  if (!effort.plots.empty() && !std::filesystem::is_directory(effort.plots)) {
-    throw tact::SetupError("--plot " + effort.plots.string() + ": no folder of that name: make it first");
+  if (!plots.empty() && !std::filesystem::is_directory(plots)) {
+    throw tact::SetupError("--plot " + plots + ": no folder of that name: make it first");
   }
+  effort.plots = plots;
   tact::bench::Report report;
   for (const Benchmark& b : kBenchmarks) {
     if (!names.empty() && std::find(names.begin(), names.end(), b.name) == names.end()) continue;
