@@ -113,9 +113,9 @@ struct MachineSpec {
   std::string device = "simulated";        ///< simulated playback virtuose
   std::string mode = "pseudo-admittance";  ///< or impedance
   double rate_hz = 1000;
-  double workspace_scale = 1;         ///< motion of the tool over motion of the handle
-  Quat q_WB = Quat::Identity();       ///< the device's base in the world
-  std::optional<Vec3> p_WB;           ///< nothing: the handle is taken to be at the tool's start
+  double workspace_scale = 1;    ///< motion of the tool over motion of the handle
+  Quat q_WB = Quat::Identity();  ///< the device's base in the world
+  std::optional<Vec3> p_WB;      ///< nothing: the handle is taken to be at the tool's start
   VirtuoseSpec virtuose;
   std::filesystem::path recording;  ///< playback: whose readings it gives
   SimulatedSpec simulated;

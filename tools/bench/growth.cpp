@@ -43,8 +43,8 @@ void draw(const std::vector<Growth>& all, const std::filesystem::path& png) {
               "graph 0.1\nset key top left\n";
   for (std::size_t k = 0; k < all.size(); ++k) {
     const std::string data = "$g" + std::to_string(k);
-    commands += "set xlabel " + report::Gnuplot::quoted(all[k].what) + "\nset ylabel '" + (k == 0 ? "us" : "") + "'\nplot " +
-                data + " using 1:2 with points pt 7 lc rgb '#2060c0' title 'median', " + data +
+    commands += "set xlabel " + report::Gnuplot::quoted(all[k].what) + "\nset ylabel '" + (k == 0 ? "us" : "") +
+                "'\nplot " + data + " using 1:2 with points pt 7 lc rgb '#2060c0' title 'median', " + data +
                 " using 1:3 with points pt 6 lc rgb '#c03020' title '99th percentile', " +
                 std::to_string(all[k].factor) + " * x**" + std::to_string(all[k].exponent) +
                 " lc rgb '#606060' title 'x^{" + number(all[k].exponent) + "}'\n";
