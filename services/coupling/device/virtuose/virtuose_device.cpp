@@ -1,5 +1,6 @@
 #include "coupling/device/virtuose/virtuose_device.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "fault/fault.hpp"
@@ -11,6 +12,7 @@ namespace {
 // Nobody moves a handle faster; what does is no motion.
 constexpr double kSpeedMax_m_per_s = 5, kSpeedMax_rad_per_s = 60;
 constexpr double kNoise_m = 1e-3, kNoise_rad = 2e-2;
+constexpr double kGap_s = 0.02;
 constexpr std::int64_t kNoPowerPatience_ns = 5'000'000'000;
 constexpr std::int64_t kAlarmsApart_ns = 1'000'000'000;
 
@@ -150,7 +152,8 @@ bool VirtuoseDevice::refused(const ArmState& state, std::int64_t now_ns, News& w
     return true;
   }
   if (!begun_ || !good_.engaged) return false;  // elsewhere after indexing is no jump
-  const double dt = static_cast<double>(now_ns - changed_ns_) * 1e-9;
+  // A late tick is no licence: what a hand does in kGap_s is all that is believed.
+  const double dt = std::min(kGap_s, static_cast<double>(now_ns - changed_ns_) * 1e-9);
   const Vec6 step = displacement(good_.X_WH, X_WH);
   if (step.head<3>().norm() > kNoise_m + kSpeedMax_m_per_s * dt ||
       step.tail<3>().norm() > kNoise_rad + kSpeedMax_rad_per_s * dt) {
