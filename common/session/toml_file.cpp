@@ -45,6 +45,25 @@ void flatten(const toml::table& table, const std::string& prefix, std::vector<En
   }
 }
 
+/// No byte out of place: neither stray, nor missing, nor a longer form than needed, nor a surrogate.
+bool is_utf8(const std::string& text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
+    const unsigned first = byte(i);
+    const std::size_t more = first < 0x80 ? 0 : first >> 5 == 6 ? 1 : first >> 4 == 14 ? 2 : first >> 3 == 30 ? 3 : 4;
+    if (more == 4) return false;
+    unsigned code = more == 0 ? first : first & (0x3fu >> more);
+    for (std::size_t k = 1; k <= more; ++k) {
+      if (byte(i + k) >> 6 != 2) return false;
+      code = code << 6 | (byte(i + k) & 0x3f);
+    }
+    constexpr unsigned kLeast[] = {0, 0x80, 0x800, 0x10000};
+    if (code < kLeast[more] || code > 0x10ffff || (code >= 0xd800 && code < 0xe000)) return false;
+    i += more + 1;
+  }
+  return true;
+}
+
 bool is_table_of(const std::string& name, const Keys& keys) {
   return std::any_of(keys.begin(), keys.end(), [&](const Key& k) { return k.name.rfind(name + ".", 0) == 0; });
 }
@@ -117,6 +136,9 @@ void apply(const std::vector<Entry>& entries, const Keys& keys, const std::files
 void apply_text(const std::string& name, const std::string& text, const Keys& keys) {
   const Key* key = find(keys, name);
   if (!key) throw SetupError(name + ": found this unknown key, expected " + expected_for_unknown(name, keys));
+  // The services read it from a TOML file, which holds nothing else.
+  if (!is_utf8(text))
+    throw SetupError(name + ": found text that is not UTF-8, expected " + key->expected + " in UTF-8");
   if (!key->set(parse(key->kind, text))) {
     throw SetupError(name + ": found \"" + text + "\", expected " + key->expected);
   }

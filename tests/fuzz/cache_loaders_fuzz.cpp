@@ -15,7 +15,6 @@
 #include <string>
 
 #include "contact/bake/test_meshes.hpp"
-#include "contact/bake/worker/shell_bake.hpp"
 #include "contact/model/pointshell.hpp"
 #include "contact/traversal/traversal.hpp"
 #include "fault/fault.hpp"
@@ -36,6 +35,21 @@ const FieldParts& ball() {
   return parts;
 }
 
+/// Two points, and below them three.
+contact::Pointshell two_levels() {
+  contact::Pointshell shell;
+  for (int i = 0; i < 5; ++i) {
+    shell.position_T.push_back(0.002f * Eigen::Vector3f(static_cast<float>(i), 1, -1));
+    shell.normal_T.push_back(Eigen::Vector3f::UnitZ());
+    shell.radius_m.push_back(i < 2 ? 0.01f : 0);
+    shell.area_m2.push_back(1e-6f);
+  }
+  shell.child_begin = {2, 4, 5, 5, 5};
+  shell.child_end = {4, 5, 5, 5, 5};
+  shell.level_begin = {0, 2, 5};
+  return shell;
+}
+
 std::filesystem::path scratch() {
   static const std::string path =
       (std::filesystem::exists("/dev/shm") ? "/dev/shm/tact-fuzz-" : "/tmp/tact-fuzz-") + std::to_string(::getpid());
@@ -51,12 +65,8 @@ void write_seeds(const std::filesystem::path& folder) {
   };
   save_field(ball(), scratch(), 1);
   keep("field", 0);
-  for (const int levels : {1, 4}) {
-    contact::ShellReport report;
-    const Mesh box = test::box_mesh(Vec3::Zero(), Vec3(0.02, 0.01, 0.01));
-    contact::save_pointshell(contact::bake_shell(contact::clean_soup(box), {20, levels, 0}, {}, report), scratch());
-    keep(levels == 1 ? "shell-1" : "shell-4", 1);
-  }
+  contact::save_pointshell(two_levels(), scratch());
+  keep("shell", 1);
   save_mesh(test::torus_mesh(0.04, 0.015, 5, 4), scratch());
   keep("mesh", 2);
   std::filesystem::remove(scratch());

@@ -73,6 +73,17 @@ TEST(Session, AnIntegratorIsStatedOnlyWhereSomethingIsIntegrated) {
   }
 }
 
+/// A session is saved as TOML, which is UTF-8: what could not be read back is not taken, a file's name of old either.
+TEST(SceneKey, TextThatIsNotUtf8IsRefused) {
+  SceneSpec scene;
+  set_scene_key(scene, "title", "Kürbis \xe2\x82\xac \xf0\x9f\x8e\x83");
+  EXPECT_EQ(scene.title, "Kürbis \xe2\x82\xac \xf0\x9f\x8e\x83");
+  for (const char* bad : {"\xff", "K\xfcrbis", "\xc3(", "\xe2\x82", "\xc0\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80"}) {
+    EXPECT_NE(setup_error([&] { set_scene_key(scene, "title", bad); }).find("not UTF-8"), std::string::npos) << bad;
+    EXPECT_NE(setup_error([&] { set_scene_key(scene, "tool.mesh", bad); }).find("not UTF-8"), std::string::npos) << bad;
+  }
+}
+
 TEST(SceneKey, UnknownKeyNamesTheNearestOne) {
   SceneSpec scene;
   EXPECT_EQ(setup_error([&] { set_scene_key(scene, "contact.lav", "none"); }),
