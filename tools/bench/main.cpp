@@ -19,7 +19,7 @@ constexpr Benchmark kBenchmarks[] = {
     {"sample", "One value of the distance field, against OpenVDB's box sampler", tact::bench::bench_sample},
     {"bake", "Mesh to field, against OpenVDB's meshToVolume: time, memory, error, sign", tact::bench::bench_bake},
     {"laws", "Cost of each law by contacts", tact::bench::bench_laws},
-    {"stability", "Largest stable stiffness by law, integrator, mode, rate and delay, in lockstep",
+    {"stability", "Largest stable stiffness by law, coupling, mode, rate and delay, in lockstep",
      tact::bench::bench_stability},
     {"judgement", "Laws at equal stability margin: depth, force steps, net stiffness", tact::bench::bench_judgement},
     {"work", "Work of the contact wrench round closed paths, by law", tact::bench::bench_work},

@@ -1,4 +1,4 @@
-// How stiff contact and coupling may be before a press no longer rests: by law, integrator, device mode, rate, delay.
+// How stiff contact and coupling may be before a press no longer rests: by law, coupling, device mode, rate, delay.
 #include <tbb/parallel_for.h>
 
 #include <functional>
@@ -12,7 +12,7 @@ namespace {
 
 using lockstep::Experiment;
 
-/// One value of one axis of the comparison. A new integrator, coupling or hand is one more line in these lists.
+/// One value of one axis of the comparison. A new coupling or hand is one more line in these lists.
 struct Option {
   std::string name;
   std::function<void(Experiment&)> apply;
@@ -27,13 +27,18 @@ Axis laws() {
   return axis;
 }
 
-Axis integrators() {
-  const auto use = [](coupling::Integrator integrator) {
-    return
-        [integrator](Experiment& s) { s.adjust = [integrator](auto& config) { config.tool.integrator = integrator; }; };
+/// In lockstep a reply is a tick old also for direct coupling in impedance, which waits for it in a session.
+Axis couplings() {
+  const auto use = [](const char* kind, const char* integrator) {
+    return [kind, integrator](Experiment& s) {
+      s.session.scene.coupling.kind = kind;
+      s.session.scene.coupling.integrator = integrator;
+    };
   };
-  return {{"implicit", use(coupling::Integrator::implicit)},
-          {"semi-implicit", use(coupling::Integrator::semi_implicit)}};
+  return {{"dynamic, implicit", use("dynamic", "implicit")},
+          {"dynamic, semi-implicit", use("dynamic", "semi-implicit")},
+          {"static", use("static", "auto")},
+          {"direct", use("direct", "auto")}};
 }
 
 Axis modes() {
@@ -209,20 +214,22 @@ void bench_stability(const Effort& effort, Report& report) {
   report.say("Contact stiffness k by rate and extra delay in ticks:");
   by_rate.fill(report, "scene, law, rate", delays(effort), contact_k);
 
-  Grid by_integrator;
-  rows(by_integrator, flat, {modes(), integrators()});
-  if (!effort.quick) rows(by_integrator, peg, {modes(), integrators()});
-  report.say("Contact stiffness k by device mode, integrator and hand (law potential):");
-  by_integrator.fill(report, "scene, mode, integrator", hands(), contact_k);
+  Grid by_coupling;
+  rows(by_coupling, flat, {modes(), couplings()});
+  if (!effort.quick) rows(by_coupling, peg, {modes(), couplings()});
+  report.say("Contact stiffness k by device mode, coupling and hand (law potential):");
+  by_coupling.fill(report, "scene, mode, coupling", hands(), contact_k);
 
+  Axis sprung = couplings();
+  sprung.pop_back();  // direct has no spring
   Grid coupling_by_rate;
-  rows(coupling_by_rate, flat, {modes(), integrators()});
-  report.say("Coupling stiffness by device mode, integrator and rate (law potential, k as the scene states):");
-  coupling_by_rate.fill(report, "scene, mode, integrator", rates(effort), coupling_k);
+  rows(coupling_by_rate, flat, {modes(), sprung});
+  report.say("Coupling stiffness by device mode, coupling and rate (law potential, k as the scene states):");
+  coupling_by_rate.fill(report, "scene, mode, coupling", rates(effort), coupling_k);
   Grid coupling_by_delay;
-  rows(coupling_by_delay, flat, {modes(), integrators()});
+  rows(coupling_by_delay, flat, {modes(), sprung});
   report.say("Coupling stiffness by extra delay:");
-  coupling_by_delay.fill(report, "scene, mode, integrator", delays(effort), coupling_k);
+  coupling_by_delay.fill(report, "scene, mode, coupling", delays(effort), coupling_k);
   if (!effort.quick) {
     Grid coupling_by_law;
     for (const Press* press : {&flat, &peg}) rows(coupling_by_law, *press, {modes()});

@@ -60,8 +60,8 @@ Lockstep::Lockstep(const Experiment& setup)
                 params_),
       config_(coupling::loop_config(setup.session, model_of(setup, params_))),
       mail_(std::make_unique<coupling::Mailboxes>()) {
-  if (setup.adjust) setup.adjust(config_);
-  config_.status_period_s = 0;  // each tick
+  config_.status_period_s = 0;   // each tick
+  config_.reply_wait_share = 0;  // one thread: nobody would answer meanwhile
   device_ = coupling::open_device(device_of(setup, config_));
   loop_ = std::make_unique<coupling::CouplingLoop>(config_, *device_, *mail_, nullptr);
 }

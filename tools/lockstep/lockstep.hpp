@@ -19,7 +19,6 @@ struct Experiment {
   std::optional<coupling::SimulatedHand::Params> hand;  ///< in place of the product's
   int delay_ticks = 0;                                  ///< beyond the one tick that every reply takes
   std::string replies;  ///< "110": of every three replies the third is lost; empty: none is
-  std::function<void(coupling::LoopConfig&)> adjust;  ///< what no key of a session says
 };
 
 /// One executed tick. Poses, twists and wrenches in W; wrenches about To.

@@ -51,7 +51,7 @@ TEST(Press, FindsTheStabilityLimitOfSemiImplicitEulerOnADampedWall) {
   Experiment setup = flat(kPoints);
   setup.session.scene.contact.law = "none";
   setup.session.scene.contact.damping_ratio = kDampingRatio;
-  setup.adjust = [](coupling::LoopConfig& config) { config.tool.integrator = coupling::Integrator::semi_implicit; };
+  setup.session.scene.coupling.integrator = "semi-implicit";
   const auto excess = [&](double k) {  // B: b = 2 ratio sqrt(k m) of each contact
     const double K = kPoints * k, B = kPoints * 2 * kDampingRatio * std::sqrt(k * kMass_kg);
     return kStep_s * kStep_s * K / kMass_kg + 2 * kStep_s * B / kMass_kg - 4;
