@@ -140,18 +140,5 @@ TEST(OpenDevice, RefusesWhatIsNotAvailableAndSaysWhatIs) {
   EXPECT_THROW(open_device(options), SetupError) << "nothing was recorded";
 }
 
-TEST(OpenDevice, LeadsTheMeshFrameAlongTheMotion) {
-  DeviceOptions options;
-  options.mode = "impedance";
-  options.X_TM = {{0.02, 0.01, 0}, exp_so3({0, 0, 0.5})};
-  const Pose start_M{{0.1, 0, 0}, Quat::Identity()}, goal_M{{0.1, 0.2, 0}, exp_so3({0, 0, 1})};
-  options.X_WH_start = start_M * options.X_TM.inverse();
-  options.hand_motion = {{0, 0.5}, {start_M, goal_M}};
-  const auto device = open_device(options);
-  device->cue({.live = true, .hold = false, .X_WH_target = {}});
-  for (int i = 0; i < 3000; ++i) device->write(Wrench{});
-  EXPECT_LT(displacement(goal_M, device->read().X_WH * options.X_TM).norm(), 1e-4);
-}
-
 }  // namespace
 }  // namespace tact::coupling

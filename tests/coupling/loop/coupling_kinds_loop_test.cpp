@@ -256,7 +256,7 @@ double felt_mass_kg(const Combination& c) {
 
 TEST_P(EachCombination, TheMassFeltInFreeMotionIsThatOfTheArmAndTheBodiesBehindIt) {
   const Combination c = GetParam();
-  const double arm = SimulatedDevice::Params{}.mass_kg, body = 0.2;
+  const double arm = SimulatedArm::Params{}.mass_kg, body = 0.2;
   double expected = arm;
   if (c.kind == kDynamic) expected += body;     // the tool
   if (c.mode == kAdmittance) expected += body;  // the handle body
