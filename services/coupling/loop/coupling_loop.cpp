@@ -331,7 +331,7 @@ void CouplingLoop::record(const rt::Tick& tick, std::int64_t end_ns, const Devic
   record_.F_contact_W = contact_.F_W;
   record_.F_coupling_W = tool_.F_coupling_W();
   record_.F_sent_W = F_sent_W_;
-  record_.sent = {mapping_.to_world(sent_B_.X_W), mapping_.to_world(sent_B_.V_W)};
+  record_.sent = sent_B_;
   record_.max_depth_m = reply_.max_depth_m;
   record_.tick_ns = end_ns - tick.woke_ns;
   if (--snapshot_in_ == 0) {

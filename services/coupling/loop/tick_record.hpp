@@ -33,7 +33,7 @@ struct TickRecord {
   Wrench F_contact_W;   ///< on the tool, after extrapolation or fade
   Wrench F_coupling_W;  ///< on the tool
   Wrench F_sent_W;      ///< impedance: wrench sent to the device; pseudo-admittance: of the coupling
-  SetPoint sent;        ///< pseudo-admittance
+  SetPoint sent;        ///< pseudo-admittance, as the device got it: in its own frame, as `reading` is
   double max_depth_m = 0;
   std::int64_t tick_ns = 0;  ///< time the tick took
 };

@@ -71,7 +71,7 @@ void expect_brute_force(const CoarseScene& scene, Traversal& traversal) {
       const Mat3 R = X_OT.q.normalized().toRotationMatrix();
       std::size_t k = 0;
       for (std::uint32_t i = 0; i < scene.shell->size(); ++i) {
-        const double value = scene.field.sample(R * scene.shell->position_T[i].cast<double>() + X_OT.p).value_m;
+        const double value = scene.field.sample(test::placed(R, X_OT.p, scene.shell->position_T[i])).value_m;
         if (value >= 0) continue;
         ASSERT_LT(k, contacts.size);
         ASSERT_EQ(contacts.point_id[k], i);
