@@ -20,8 +20,9 @@ namespace {
 using std::chrono::seconds;
 
 constexpr double kSlope_n_per_s = 1000;  // of the gate: one newton a tick
-/// A tick of ours and a period of the arm's are no pair: two or three ticks may fall into one period.
-constexpr double kStep_n = 3 * kSlope_n_per_s / 1000;
+/// As the arm feels it. A tick of ours and a period of the arm's are no pair: two or three ticks may fall into one
+/// period; and to what the gate lets through, the handle's own motion against the arm's spring and damper adds as much.
+constexpr double kStep_n = 6 * kSlope_n_per_s / 1000;
 
 /// A session on the stand-in arm in scene peg. The machine file says it, as on a machine with an arm.
 class ArmSession {
