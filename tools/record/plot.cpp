@@ -153,7 +153,8 @@ void write_csv(const std::filesystem::path& recording, const std::filesystem::pa
   out << "tick,due_ns,woke_ns,skipped,pose_seq,reply_seq,wrench_age_ticks,faults,contact_count,engaged,live"
       << pose_columns("X_WH") << twist_columns("V_WH") << wrench_columns("F_hand_W") << pose_columns("X_WT")
       << twist_columns("V_WT") << wrench_columns("F_contact_W") << wrench_columns("F_coupling_W")
-      << wrench_columns("F_sent_W") << pose_columns("X_sent_B") << twist_columns("V_sent_B") << ",max_depth_m,tick_ns\n";
+      << wrench_columns("F_sent_W") << pose_columns("X_sent_B") << twist_columns("V_sent_B")
+      << ",max_depth_m,tick_ns\n";
   for (auto entry = reader.next(); entry != RecordingReader::Entry::end; entry = reader.next()) {
     if (entry != RecordingReader::Entry::tick) continue;
     const TickRecord& t = reader.tick();
