@@ -27,6 +27,7 @@ report::SessionReport run_experiment(Lockstep& rig, const Session& session,
   report.law = scene.contact.law;
   report.device = session.machine.device;
   report.mode = session.machine.mode;
+  report.coupling = scene.coupling.kind;
   report.transport = "none";
   report.stiffness_n_per_m = rig.answer().stiffness_n_per_m;
   report.voxel_m = rig.voxel_m();
