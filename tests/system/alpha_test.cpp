@@ -1,9 +1,8 @@
-// The alpha puzzle ([P] fig. 8) on the real processes: solved by its script, not by force.
+// The alpha puzzle ([P] fig. 8) on the real processes: solved by its script, not by force. Every law and mode on the
+// rig: tests/tools/lockstep/alpha_test.cpp.
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <tuple>
-#include <vector>
 
 #include "support/tact_run.hpp"
 
@@ -16,25 +15,10 @@ struct Case {
   friend void PrintTo(const Case& c, std::ostream* out) { *out << c.script << ", " << c.law << ", " << c.mode; }
 };
 
-std::vector<Case> cases() {
-  std::vector<Case> all;
-  for (const char* script : {"solve", "lean"}) {
-    for (const char* law : {"potential", "adaptive-6dof"}) {
-      for (const char* mode : {"pseudo-admittance", "impedance"}) all.push_back({script, law, mode});
-    }
-  }
-  return all;
-}
-
-std::string identifier(std::string name) {
+std::string case_name(const ::testing::TestParamInfo<Case>& info) {
+  std::string name = info.param.script + "_" + info.param.law + "_" + info.param.mode;
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
-}
-std::string case_name(const ::testing::TestParamInfo<Case>& info) {
-  return identifier(info.param.script + "_" + info.param.law + "_" + info.param.mode);
-}
-std::string cheat_name(const ::testing::TestParamInfo<std::tuple<std::string, std::string>>& info) {
-  return identifier(std::get<0>(info.param) + "_" + std::get<1>(info.param));
 }
 
 class AlphaSolve : public ::testing::TestWithParam<Case> {};
@@ -53,13 +37,17 @@ TEST_P(AlphaSolve, ReachesTheGoalWithUnderHalfAVoxelOfQuasiStaticPenetration) {
   EXPECT_GT(report["wrench"]["fresh"].get<double>(), 0.9 * report["ticks"].get<double>()) << report.dump(2);
 }
 
-INSTANTIATE_TEST_SUITE_P(ScriptsLawsAndModes, AlphaSolve, ::testing::ValuesIn(cases()), case_name);
+INSTANTIATE_TEST_SUITE_P(ScriptsLawsAndModes, AlphaSolve,
+                         ::testing::Values(Case{"solve", "potential", "pseudo-admittance"},
+                                           Case{"lean", "potential", "impedance"},
+                                           Case{"lean", "adaptive-6dof", "pseudo-admittance"}),
+                         case_name);
 
-class AlphaCheat : public ::testing::TestWithParam<std::tuple<std::string, std::string>> {};
+class AlphaCheat : public ::testing::TestWithParam<Case> {};
 
 TEST_P(AlphaCheat, IsBlockedBySaturationAgainstTheSameHandOfTwentyNewton) {
-  TactRun run({"alpha", "--script", "cheat", "--law", std::get<0>(GetParam()), "--mode", std::get<1>(GetParam()),
-               "--saturation", "on", "--view", "off"});
+  TactRun run({"alpha", "--script", "cheat", "--law", GetParam().law, "--mode", GetParam().mode, "--saturation", "on",
+               "--view", "off"});
   ASSERT_EQ(run.wait(), 0) << run.output();
   const auto report = run.report();
   EXPECT_FALSE(report["goal"]["reached"].get<bool>()) << report.dump(2);
@@ -69,26 +57,9 @@ TEST_P(AlphaCheat, IsBlockedBySaturationAgainstTheSameHandOfTwentyNewton) {
 }
 
 INSTANTIATE_TEST_SUITE_P(LawsAndModes, AlphaCheat,
-                         ::testing::Combine(::testing::Values("potential", "adaptive-3dof", "adaptive-6dof"),
-                                            ::testing::Values("pseudo-admittance", "impedance")),
-                         cheat_name);
-
-// [P] fig. 8: unsaturated at k = 500 N/m, averaging over all contacts lets the alpha slip at a smaller pull than the
-// Gauss map does. That the adaptive law *holds* there does not repeat on this scene: the strands are about 3 voxels
-// (1.5 mm) too near on each side, so 500 N/m a contact cannot resist more than a few newton under any law.
-TEST(AlphaCheatUnsaturated, GlobalScalingSlipsAtASmallerPullThanTheAdaptiveLaws) {
-  const auto pull_at_slip = [](const std::string& law) {
-    TactRun run(
-        {"alpha", "--script", "cheat", "--law", law, "--stiffness", "500", "--saturation", "off", "--view", "off"});
-    EXPECT_EQ(run.wait(), 0) << run.output();
-    const auto report = run.report();
-    EXPECT_TRUE(report["goal"]["reached"].get<bool>()) << law << report.dump(2);
-    return report["pull_n"]["max"].get<double>();
-  };
-  const double global = pull_at_slip("global");
-  EXPECT_GT(pull_at_slip("adaptive-6dof"), 1.2 * global);
-  EXPECT_GT(pull_at_slip("adaptive-3dof"), 1.2 * global);
-}
+                         ::testing::Values(Case{"cheat", "potential", "pseudo-admittance"},
+                                           Case{"cheat", "adaptive-6dof", "impedance"}),
+                         case_name);
 
 }  // namespace
 }  // namespace tact::test
