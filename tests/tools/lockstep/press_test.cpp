@@ -62,7 +62,10 @@ TEST(Press, FindsTheStabilityLimitOfSemiImplicitEulerOnADampedWall) {
     (excess(middle) < 0 ? low : high) = middle;
   }
   const double found = largest_stable([&](double k) { return press(stiff(setup, k)).stable(); }, 2e4, 1e8, 1.05);
-  EXPECT_NEAR(found, low, 0.1 * low);
+  // Never beyond the limit by more than the search's own step; just below it a disturbance dies so slowly that the
+  // press still sees it, from where on depends on the last bits of sines (70 and 77 of 79 kN/m on two processors).
+  EXPECT_LT(found, 1.05 * low);
+  EXPECT_GT(found, 0.8 * low);
 }
 
 TEST(Press, SaysHowThePressRests) {
