@@ -1,13 +1,10 @@
 #pragma once
-#include <filesystem>
-
 #include "bench/report.hpp"
 
 namespace tact::bench {
 
 struct Effort {
-  bool quick = false;           ///< smaller cases, fewer repetitions: a minute for all
-  std::filesystem::path plots;  ///< folder to draw plots in; empty: none
+  bool quick = false;  ///< smaller cases, fewer repetitions: a minute for all
   std::size_t scaled(std::size_t full) const { return quick ? full / 5 : full; }
 };
 

@@ -1,12 +1,10 @@
 // How a tick grows with points, voxels and contacts.
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "bench/benchmarks.hpp"
 #include "bench/measure.hpp"
 #include "bench/scene.hpp"
-#include "report/gnuplot.hpp"
 
 namespace tact::bench {
 namespace {
@@ -28,30 +26,22 @@ struct Growth {
   }
 };
 
-/// One strip each, side by side, both axes logarithmic.
-void draw(const std::vector<Growth>& all, const std::filesystem::path& png) {
-  std::string commands;
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    commands += "$g" + std::to_string(k) + " << EOD\n";
-    for (const auto& [x, y, p99] : all[k].points) {
-      commands += number(x) + ' ' + number(y) + ' ' + number(p99) + '\n';
-    }
-    commands += "EOD\n";
+Chart chart_of(const Growth& growth) {
+  Chart chart{"Contact tick, alpha: x^" + number(growth.exponent), growth.what, "us", true, true, {}};
+  Chart::Line median{"median", {}, true}, p99{"99th percentile", {}, true}, fitted{"fitted", {}};
+  for (const auto& [x, p50, slow] : growth.points) {
+    median.points.push_back({x, p50});
+    p99.points.push_back({x, slow});
+    fitted.points.push_back({x, growth.factor * std::pow(x, growth.exponent)});
   }
-  commands += "set multiplot layout 1," + std::to_string(all.size()) +
-              " title 'Contact tick, alpha'\nset grid\nset logscale xy\nset offsets graph 0.1, graph 0.1, graph 0.1, "
-              "graph 0.1\nset key top left\n";
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    const std::string data = "$g" + std::to_string(k);
-    commands += "set xlabel " + report::Gnuplot::quoted(all[k].what) + "\nset ylabel '" + (k == 0 ? "us" : "") +
-                "'\nplot " + data + " using 1:2 with points pt 7 lc rgb '#2060c0' title 'median', " + data +
-                " using 1:3 with points pt 6 lc rgb '#c03020' title '99th percentile', " +
-                std::to_string(all[k].factor) + " * x**" + std::to_string(all[k].exponent) +
-                " lc rgb '#606060' title 'x^{" + number(all[k].exponent) + "}'\n";
-  }
-  report::Gnuplot gnuplot(png, 1400, 500);
-  std::fputs((commands + "unset multiplot\n").c_str(), gnuplot.in());
-  gnuplot.finish();
+  chart.lines = {median, p99, fitted};
+  return chart;
+}
+
+void tell(Report& report, Growth& growth) {
+  growth.fit();
+  report.say("  tick ~ " + growth.what + "^" + number(growth.exponent));
+  report.chart(chart_of(growth));
 }
 
 struct Tick {
@@ -73,8 +63,8 @@ Tick tick(const LoadedScene& scene, const std::vector<Pose>& poses, std::size_t 
   return t;
 }
 
-Growth sweep(Report& report, const std::string& what, const std::vector<int>& values,
-             const std::function<void(SceneSpec&, int)>& set, const std::vector<Pose>& poses) {
+void sweep(Report& report, const std::string& what, const std::vector<int>& values,
+           const std::function<void(SceneSpec&, int)>& set, const std::vector<Pose>& poses) {
   std::vector<Report::Row> rows;
   Growth growth{what, {}};
   for (const int value : values) {
@@ -85,10 +75,8 @@ Growth sweep(Report& report, const std::string& what, const std::vector<int>& va
                     number(1e-6 * static_cast<double>(scene.field.bytes()))});
     growth.points.push_back({static_cast<double>(value), p50, p99});
   }
-  report.table({what, "contacts, mean", "tick p50, us", "p99, us", "field, MB"}, rows);
-  growth.fit();
-  report.say("  tick ~ " + what + "^" + number(growth.exponent));
-  return growth;
+  report.times({what, "contacts, mean", "tick p50, us", "p99, us", "field, MB"}, rows);
+  tell(report, growth);
 }
 
 }  // namespace
@@ -101,12 +89,10 @@ void bench_growth(const Effort& effort, Report& report) {
   const std::vector<int> points =
       effort.quick ? std::vector{1000, 5000, 25269} : std::vector{1000, 3000, 10000, 25269, 50000, 100000};
   const std::vector<int> cells = effort.quick ? std::vector{128, 256, 512} : std::vector{128, 256, 512, 1024};
-  std::vector<Growth> all;
-  all.push_back(sweep(
-      report, "points", points, [](SceneSpec& spec, int n) { spec.points = n; }, poses));
-  all.push_back(sweep(
-      report, "voxels along the longest side", cells, [](SceneSpec& spec, int n) { spec.field_resolution = n; },
-      poses));
+  sweep(
+      report, "points", points, [](SceneSpec& spec, int n) { spec.points = n; }, poses);
+  sweep(
+      report, "voxels along the longest side", cells, [](SceneSpec& spec, int n) { spec.field_resolution = n; }, poses);
 
   std::vector<Report::Row> rows;
   Growth by_contacts{"contacts", {}};
@@ -120,14 +106,8 @@ void bench_growth(const Effort& effort, Report& report) {
     rows.push_back({number(t.contacts), number(p50), number(p99)});
     by_contacts.points.push_back({t.contacts, p50, p99});
   }
-  report.table({"contacts, mean", "tick p50, us", "p99, us"}, rows);
-  by_contacts.fit();
-  report.say("  tick ~ contacts^" + number(by_contacts.exponent));
-  all.push_back(by_contacts);
-  if (!effort.plots.empty()) {
-    draw(all, effort.plots / "growth.png");
-    report.say("  drawn: " + (effort.plots / "growth.png").string());
-  }
+  report.times({"contacts, mean", "tick p50, us", "p99, us"}, rows);
+  tell(report, by_contacts);
 }
 
 }  // namespace tact::bench

@@ -9,11 +9,14 @@
 #include <thread>
 
 #include "fault/fault.hpp"
+#include "report/gnuplot.hpp"
 
 namespace tact::bench {
 namespace {
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+}  // namespace
 
 std::string processor() {
   std::ifstream in("/proc/cpuinfo");
@@ -23,7 +26,9 @@ std::string processor() {
   return "unknown";
 }
 
-}  // namespace
+const char* name(Holds holds) {
+  return holds == Holds::yes ? "holds" : holds == Holds::partly ? "holds in part" : "does not hold";
+}
 
 std::string number(double value) {
   char text[32];
@@ -37,6 +42,18 @@ std::string number(double value) {
   return text;
 }
 
+Report::Report(std::filesystem::path pictures) : folder_(std::move(pictures)) {
+  if (!draws()) return;
+  std::error_code failed;
+  std::filesystem::create_directories(folder_, failed);
+  if (failed) throw SetupError(folder_.string() + ": cannot make this folder for pictures: " + failed.message());
+}
+
+std::filesystem::path Report::next_picture(const std::string& extension) const {
+  const Section& section = sections_.back();
+  return folder_ / (section.name + "-" + std::to_string(section.all<Picture>().size() + 1) + extension);
+}
+
 void Report::begin(const std::string& benchmark) {
   Section section;
   section.name = benchmark;
@@ -46,12 +63,13 @@ void Report::begin(const std::string& benchmark) {
 }
 
 void Report::say(const std::string& sentence) {
-  sections_.back().sentences.push_back(sentence);
+  add(sentence);
   std::printf("%s\n", sentence.c_str());
 }
 
-void Report::table(const Row& columns, const std::vector<Row>& rows) {
-  sections_.back().tables.push_back({columns, rows});
+void Report::print(const Table& table) {
+  const auto& [columns, rows, times] = table;
+  add(table);
   std::vector<std::size_t> width;
   for (std::size_t c = 0; c < columns.size(); ++c) {
     width.push_back(columns[c].size());
@@ -72,10 +90,51 @@ void Report::table(const Row& columns, const std::vector<Row>& rows) {
 void Report::bar(const std::string& what, double measured, const std::string& unit, bool at_least, double required) {
   const bool met = at_least ? measured >= required : measured <= required;
   missed_ += met ? 0 : 1;
-  sections_.back().bars.push_back({what, unit, measured, required, at_least, met});
+  add(Bar{what, unit, measured, required, at_least, met});
   std::printf("  %-6s %s: %s %s (bar: at %s %s)\n", met ? "met" : "MISSED", what.c_str(), number(measured).c_str(),
               unit.c_str(), at_least ? "least" : "most", number(required).c_str());
   std::fflush(stdout);
+}
+
+void Report::claim(const std::string& theirs, const std::string& ours, Holds holds, const std::string& sentence) {
+  add(Claim{theirs, ours, holds, sentence});
+  std::printf("  said: %s\n  here: %s\n  %s: %s\n", theirs.c_str(), ours.c_str(), name(holds), sentence.c_str());
+  std::fflush(stdout);
+}
+
+void Report::chart(const Chart& chart) {
+  if (!draws()) return;
+  constexpr const char* kColors[] = {"#2060c0", "#c03020", "#208040", "#8040a0",
+                                     "#c08000", "#606060", "#00a0a0", "#a04060"};
+  using report::Gnuplot;
+  std::string commands, plots;
+  for (std::size_t k = 0; k < chart.lines.size(); ++k) {
+    const Chart::Line& line = chart.lines[k];
+    const std::string data = "$line" + std::to_string(k);
+    commands += data + " << EOD\n";
+    for (const auto& [x, y] : line.points) {
+      char row[64];
+      std::snprintf(row, sizeof row, "%.9g %.9g\n", x, y);
+      // A logarithm has no place for it.
+      commands += (chart.log_x && x <= 0) || (chart.log_y && y <= 0) ? std::string("\n") : std::string(row);
+    }
+    commands += "EOD\n";
+    plots += (k == 0 ? "plot " : ", ") + data + " using 1:2 with " +
+             (line.dots                 ? "points pt 7 ps 0.7"
+              : line.points.size() > 60 ? "lines lw 1.5"
+                                        : "linespoints pt 7 ps 0.5 lw 1.5") +
+             " lc rgb '" + kColors[k % std::size(kColors)] + "' title " + Gnuplot::quoted(line.name);
+  }
+  commands += "set title " + Gnuplot::quoted(chart.title) + " noenhanced\nset xlabel " +
+              Gnuplot::quoted(chart.x_label) + " noenhanced\nset ylabel " + Gnuplot::quoted(chart.y_label) +
+              " noenhanced\nset key outside right top noenhanced\nset grid lc rgb '#dddddd'\n";
+  if (chart.log_x) commands += "set logscale x\n";
+  if (chart.log_y) commands += "set logscale y\n";
+  const auto file = next_picture(".svg");
+  Gnuplot gnuplot(file, 760, 360);
+  std::fputs((commands + plots + '\n').c_str(), gnuplot.in());
+  gnuplot.finish();
+  add(Picture{file, chart.title});
 }
 
 void Report::end() { sections_.back().seconds = now_s() - sections_.back().begun_s; }
@@ -85,19 +144,24 @@ void Report::write_json(const std::filesystem::path& path) const {
   Json list = Json::array();
   for (const Section& section : sections_) {
     Json tables = Json::array(), bars = Json::array();
-    for (const Table& t : section.tables) tables.push_back({{"columns", t.columns}, {"rows", t.rows}});
-    for (const Bar& b : section.bars) {
+    for (const Table& t : section.all<Table>()) tables.push_back({{"columns", t.columns}, {"rows", t.rows}});
+    for (const Bar& b : section.all<Bar>()) {
       bars.push_back({{"what", b.what},
                       {"measured", b.measured},
                       {"unit", b.unit},
                       {b.at_least ? "at_least" : "at_most", b.required},
                       {"met", b.met}});
     }
+    Json claims = Json::array();
+    for (const Claim& c : section.all<Claim>()) {
+      claims.push_back({{"said", c.theirs}, {"here", c.ours}, {"holds", name(c.holds)}, {"sentence", c.sentence}});
+    }
     list.push_back({{"benchmark", section.name},
                     {"seconds", section.seconds},
-                    {"notes", section.sentences},
+                    {"notes", section.all<std::string>()},
                     {"tables", tables},
-                    {"bars", bars}});
+                    {"bars", bars},
+                    {"claims", claims}});
   }
   const Json report{
       {"schema", 1}, {"processor", processor()}, {"cores", std::thread::hardware_concurrency()}, {"benchmarks", list}};

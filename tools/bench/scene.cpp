@@ -30,13 +30,13 @@ LoadedScene load_scene_by_name(const std::string& name, const std::function<void
   scene.spec = load_scene(find_scene(name));
   if (change) change(scene.spec);
   bool told = false;
-  const auto baked = contact::ensure_baked(scene.spec, cache_dir(MachineSpec{}), [&](const contact::BakeStep&) {
+  scene.baked = contact::ensure_baked(scene.spec, cache_dir(MachineSpec{}), [&](const contact::BakeStep&) {
     if (!told) std::fprintf(stderr, "tact-bench: baking %s (kept in the cache)\n", name.c_str());
     return told = true;
   });
-  static_cast<lockstep::Bodies&>(scene) = lockstep::open_bodies(baked);
-  scene.obstacle_O = load_mesh(baked.obstacle.mesh);
-  scene.tool_M = load_mesh(baked.tool.mesh);
+  static_cast<lockstep::Bodies&>(scene) = lockstep::open_bodies(scene.baked);
+  scene.obstacle_O = load_mesh(scene.baked.obstacle.mesh);
+  scene.tool_M = load_mesh(scene.baked.tool.mesh);
   return scene;
 }
 

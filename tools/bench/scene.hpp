@@ -15,6 +15,7 @@ namespace tact::bench {
 /// A scene as the contact server holds it, and its cleaned meshes for those who work on triangles.
 struct LoadedScene : lockstep::Bodies {
   SceneSpec spec;
+  contact::BakedScene baked;
   Mesh obstacle_O, tool_M;
 
   std::unique_ptr<contact::ContactPipeline> pipeline(const std::string& law = {}) const;

@@ -33,7 +33,7 @@ struct ExperimentOptions {
   bool json = false;
 };
 int experiment(const RunOptions& options, const ExperimentOptions& more);
-/// Becomes the program tact-bench; returns never.
-int bench(const std::vector<std::string>& arguments);
+/// Becomes a program that only some builds have: tact-bench, tact-report. Throws SetupError when this one has not.
+[[noreturn]] void become(const std::string& name, const std::vector<std::string>& arguments);
 
 }  // namespace tact::cli

@@ -186,10 +186,15 @@ int run_tact(int argc, char** argv) {
   tact::cli::LatencyOptions latency_options;
   add_latency(app, latency_options, [&] { code = tact::cli::latency(latency_options); });
 
-  auto* bench = app.add_subcommand("bench", "Measure speed and accuracy on this machine, beside FCL and OpenVDB");
-  bench->set_help_flag();  // tact-bench has its own
-  bench->prefix_command();
-  bench->callback([&] { code = tact::cli::bench(bench->remaining()); });
+  // Programs of their own, with their own --help.
+  const auto add_program = [&app](const char* name, const char* what) {
+    auto* command = app.add_subcommand(name, what);
+    command->set_help_flag();
+    command->prefix_command();
+    command->callback([=] { tact::cli::become("tact-" + std::string(name), command->remaining()); });
+  };
+  add_program("bench", "Measure speed and accuracy on this machine, beside FCL and OpenVDB");
+  add_program("report", "Repeat the figures of the paper and write them as one page, with numbers and plots");
 
   try {
     app.parse(argc, argv);

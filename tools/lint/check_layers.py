@@ -21,7 +21,7 @@ LIBRARIES = {
     "spdlog/": ("common/log",),
     "assimp/": ("services/contact/bake",),
     "toml++/": ("common/session",),
-    "CLI/": ("tools/cli", "tools/bench", "common/service", "services/contact/bake"),
+    "CLI/": ("tools/cli", "tools/bench", "tools/evidence", "common/service", "services/contact/bake"),
     "fcl/": ("tools/bench",),
     "openvdb/": ("tools/bench",),
 }

@@ -141,6 +141,12 @@ ContactReply Lockstep::reply_to(const coupling::ToolSample& sample) {
   reply.stiffness_n_per_m = result.stiffness_n_per_m;
   reply.x_max_m = result.x_max_m;
   reply.params_version = result.params_version;
+  const contact::ContactBuffer& contacts = pipeline_.contacts();
+  if (setup_.cap_follows_stiffness && contacts.size > 0) {
+    double weights = 0;
+    for (std::size_t i = 0; i < contacts.size; ++i) weights += contacts.weight[i];
+    reply.stiffness_n_per_m *= weights / static_cast<double>(contacts.size);
+  }
   return reply;
 }
 

@@ -19,6 +19,8 @@ struct Experiment {
   std::optional<coupling::SimulatedHand::Params> hand;  ///< in place of the product's
   int delay_ticks = 0;                                  ///< beyond the one tick that every reply takes
   std::string replies;  ///< "110": of every three replies the third is lost; empty: none is
+  /// The coupling's cap is x_max times k scaled by the contacts' mean weight: the idea that [P] section 3.3 rejects.
+  bool cap_follows_stiffness = false;
 };
 
 /// One executed tick. Poses, twists and wrenches in W; wrenches about To.

@@ -8,12 +8,13 @@
 
 namespace tact::report {
 
-Gnuplot::Gnuplot(const std::filesystem::path& png, int width, int height) : png_(png) {
-  if (!std::ofstream(png)) throw SetupError(png.string() + ": cannot write the plot here");
+Gnuplot::Gnuplot(const std::filesystem::path& file, int width, int height) : file_(file) {
+  if (!std::ofstream(file)) throw SetupError(file.string() + ": cannot write the plot here");
   pipe_ = popen("exec gnuplot 2>/dev/null", "w");
   if (pipe_ == nullptr) throw SetupError("gnuplot: cannot start it");
-  std::fprintf(pipe_, "set terminal pngcairo size %d,%d font 'sans,10'\nset output %s\n", width, height,
-               quoted(png.string()).c_str());
+  const bool svg = file.extension() == ".svg";
+  std::fprintf(pipe_, "set terminal %s size %d,%d font 'sans,10'%s\nset output %s\n", svg ? "svg" : "pngcairo", width,
+               height, svg ? " background '#ffffff'" : "", quoted(file.string()).c_str());
 }
 
 Gnuplot::~Gnuplot() {
@@ -24,7 +25,7 @@ void Gnuplot::finish() {
   const int status = pclose(pipe_);
   pipe_ = nullptr;
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw SetupError("gnuplot failed on the plot " + png_.string() + ": is the package gnuplot-nox installed?");
+    throw SetupError("gnuplot failed on the plot " + file_.string() + ": is the package gnuplot-nox installed?");
   }
 }
 

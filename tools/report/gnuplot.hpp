@@ -5,11 +5,11 @@
 
 namespace tact::report {
 
-/// gnuplot, told line by line what to draw into a PNG.
+/// gnuplot, told line by line what to draw into a picture: SVG where the name ends so, otherwise PNG.
 class Gnuplot {
  public:
   /// Throws SetupError when the file cannot be written or gnuplot not be started.
-  Gnuplot(const std::filesystem::path& png, int width, int height);
+  Gnuplot(const std::filesystem::path& file, int width, int height);
   ~Gnuplot();
   Gnuplot(const Gnuplot&) = delete;
   Gnuplot& operator=(const Gnuplot&) = delete;
@@ -22,7 +22,7 @@ class Gnuplot {
   static std::string quoted(const std::string& words);
 
  private:
-  std::filesystem::path png_;
+  std::filesystem::path file_;
   FILE* pipe_;
 };
 

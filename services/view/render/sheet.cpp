@@ -22,7 +22,8 @@ Image compose_sheet(const std::string& title, const Image& picture, const Image&
   const int width = 3 * kMargin + std::max(picture.width, 1) + plot;
   const int top = kMargin + 2 * kCaption;
   const int upper = std::max(picture.height, gauss_map.height + kCaption + slice.height);
-  Image sheet(std::max(width, 2 * kMargin + strips.width), top + upper + kCaption + strips.height + kMargin);
+  const int lower = strips.width > 0 ? kCaption + strips.height : 0;
+  Image sheet(std::max(width, 2 * kMargin + strips.width), top + upper + lower + kMargin);
   cv::Mat mat = as_mat(sheet);
   mat = ink::kPaper;
   text(mat, title, kMargin, kMargin + 18, 16, ink::kText);
@@ -30,7 +31,7 @@ Image compose_sheet(const std::string& title, const Image& picture, const Image&
   const int right = 2 * kMargin + picture.width;
   paste(mat, gauss_map, right, top, "Gauss map: forces red, torques blue");
   paste(mat, slice, right, top + gauss_map.height + kCaption, "Field: outside blue, inside green");
-  paste(mat, strips, kMargin, top + upper + kCaption, "Last 20 seconds");
+  if (strips.width > 0) paste(mat, strips, kMargin, top + upper + kCaption, "Last 20 seconds");
   return sheet;
 }
 

@@ -8,8 +8,8 @@
 
 namespace tact::cli {
 
-int bench(const std::vector<std::string>& arguments) {
-  const auto program = libexec_dir() / "tact-bench";
+void become(const std::string& name, const std::vector<std::string>& arguments) {
+  const auto program = libexec_dir() / name;
   if (!std::filesystem::exists(program)) {
     throw SetupError(
         program.string() +
