@@ -78,7 +78,7 @@ class Report {
   template <class Draw>
   void picture(const std::string& caption, const Draw& draw) {
     if (!draws()) return;
-    const auto file = next_picture(".png");
+    const auto file = next_picture(".jpg");
     draw(file);
     add(Picture{file, caption});
   }

@@ -73,6 +73,9 @@ constexpr Experiment kExperiments[] = {
      "Each law at half the largest stiffness at which it is stable: what depth, force steps and balance does it give "
      "there?",
      bench::bench_judgement},
+    {"stability", "Largest stable stiffness",
+     "By law, coupling, device mode, rate, delay and hand: where does the tool begin to swing?",
+     bench::bench_stability},
     {"peers", "Beside FCL and OpenVDB", "The same work in the same run.", peers},
 };
 

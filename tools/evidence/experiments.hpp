@@ -1,4 +1,5 @@
 #pragma once
+#include <ostream>
 #include <span>
 
 #include "bench/benchmarks.hpp"
@@ -11,6 +12,8 @@ struct Experiment {
   const char* title;   ///< a line
   const char* tested;  ///< what is done and why, for a reader who does not know [P]
   void (*run)(const bench::Effort& effort, bench::Report& report);
+
+  friend void PrintTo(const Experiment& e, std::ostream* out) { *out << e.name; }
 };
 
 /// In the order of the page.

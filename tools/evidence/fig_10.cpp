@@ -138,8 +138,8 @@ void fig_10(const bench::Effort& effort, Report& report) {
   }
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (runs[i].script == "cheat" && runs[i].law == "potential" && runs[i].coupling == "saturated") {
-      report.picture("The starter held by the loom of cables, law potential", [&](const auto& png) {
-        snapshot(views[i], {-1.9, 0.3, 2.2}, png);
+      report.picture("The starter held by the loom of cables, law potential", [&](const auto& jpeg) {
+        snapshot(views[i], {-1.9, 0.3, 2.2}, jpeg);
       });
     }
   }

@@ -42,8 +42,8 @@ void fig_11(const bench::Effort& effort, Report& report) {
   report.say("Straight to the goal through the wires, a hand of 20 N. Depth in voxels of " + number(1e3 * voxel) +
              " mm.");
   report.table({"law", "k", "contacts, most", "quasi-static", "at impact", "force, N", ""}, rows);
-  report.picture("The actuator held by a wire, law potential", [&](const auto& png) {
-    snapshot(views[4], {-0.6, 0.3, 2.0}, png);
+  report.picture("The actuator held by a wire, law potential", [&](const auto& jpeg) {
+    snapshot(views[4], {-0.6, 0.3, 2.0}, jpeg);
   });
   bench::Chart chart{"Depth against the wire", "s", "voxels", false, false, {}};
   for (const std::size_t i : {1u, 3u, 4u}) {
@@ -55,16 +55,25 @@ void fig_11(const bench::Effort& effort, Report& report) {
   }
   report.chart(chart);
   const double global = played[1].quasi_static_voxels(), six = played[3].quasi_static_voxels();
+  std::string passed;
+  for (std::size_t i = 0; i < laws().size(); ++i) {
+    if (played[i].report.goal_reached) passed += (passed.empty() ? "" : ", ") + laws()[i];
+  }
+  const bool held = !played[3].report.goal_reached && six < 0.5;
+  const bool global_fails = played[1].report.goal_reached || global > 0.5;
   report.claim(
-      "n = 128: under global scaling the wire is passed; with 6-DoF scaling and saturation depth stays under half a "
-      "voxel",
-      std::to_string(played[3].most_contacts()) + " contacts; at half a voxel global " + number(global) +
-          ", adaptive-6dof " + number(six) + ", potential " + number(played[4].quasi_static_voxels()) + " voxels" +
-          (played[1].report.goal_reached ? "; global is passed" : "; nothing passes"),
-      six < 0.5 ? (played[1].report.goal_reached || global > 1 ? bench::Holds::yes : bench::Holds::partly)
-                : bench::Holds::no,
-      "Saturation holds every law here; what differs is how deep. A wire's own middle is a voxel deep, so half "
-      "a voxel leaves little: the scene ships with x_max of a quarter.");
+      "n = 128: under global scaling the wire is passed; with 6-DoF scaling and saturation depth stays under half "
+      "a voxel",
+      std::to_string(played[3].most_contacts()) + " contacts; at half a voxel quasi-static: global " + number(global) +
+          ", adaptive-6dof " + number(six) + ", potential " + number(played[4].quasi_static_voxels()) +
+          " voxels; passed: " + (passed.empty() ? "none" : passed),
+      held && global_fails ? bench::Holds::yes
+      : held               ? bench::Holds::partly
+                           : bench::Holds::no,
+      passed.empty() ? "Saturation holds every law here; what differs is how deep. A wire's own middle is a voxel "
+                       "deep, so half a voxel leaves little: the scene ships with x_max of a quarter."
+                     : "The wires are 5.6 mm thick, " + number(5.6e-3 / voxel) +
+                           " voxels here: their middle is so shallow that half a voxel is most of the way through.");
 }
 
 }  // namespace tact::evidence

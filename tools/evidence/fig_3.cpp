@@ -66,8 +66,8 @@ void fig_3(const bench::Effort& effort, Report& report) {
   if (!effort.quick || report.draws()) {
     for (const std::size_t i : {1u, 3u, 4u}) {
       report.picture("Cone in the gap by " + laws()[i] + ": contact normals as arrows, Gauss map, slice of the field",
-                     [&](const auto& png) {
-                       snapshot(*rests[i].view, {-1.2, 0.15, 1.6}, png);
+                     [&](const auto& jpeg) {
+                       snapshot(*rests[i].view, {-1.2, 0.15, 1.6}, jpeg);
                      });
     }
   }

@@ -66,8 +66,8 @@ void fig_7(const bench::Effort&, Report& report) {
   report.table({"law", "contacts", "weights", "depth, broad wall", "depth, narrow wall", "depths", "tilt, degrees"},
                rows);
   for (const std::size_t i : {3u, 4u}) {
-    report.picture("Box on two walls by " + laws()[i], [&](const auto& png) {
-      snapshot(*rests[i].view, {-1.4, 0.05, 1.8}, png);
+    report.picture("Box on two walls by " + laws()[i], [&](const auto& jpeg) {
+      snapshot(*rests[i].view, {-1.4, 0.05, 1.8}, jpeg);
     });
   }
   const AtRest &three = rests[2], &six = rests[3], &ours = rests[4];

@@ -58,8 +58,8 @@ void fig_8(const bench::Effort& effort, Report& report) {
   report.table({"script", "limit of the coupling", "law", "k", "contacts, most", "quasi-static, voxels", "at impact",
                 "pull, N", "goal"},
                rows);
-  report.picture("The cheat, held by law potential at 10 N", [&](const auto& png) {
-    snapshot(views[4], {-0.9, 0.35, 1.6}, png);
+  report.picture("The cheat, held by law potential at 10 N", [&](const auto& jpeg) {
+    snapshot(views[4], {-0.9, 0.35, 1.6}, jpeg);
   });
   bool held = true;
   for (std::size_t i = 2; i < cheat.size(); ++i) held = held && !cheat[i].report.goal_reached;

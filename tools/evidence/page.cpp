@@ -70,7 +70,7 @@ std::string html(const Report::Claim& claim) {
 
 std::string html(const Report::Picture& picture) {
   const bool svg = picture.file.extension() == ".svg";
-  return "<figure><img alt=\"" + escaped(picture.caption) + "\" src=\"data:image/" + (svg ? "svg+xml" : "png") +
+  return "<figure><img alt=\"" + escaped(picture.caption) + "\" src=\"data:image/" + (svg ? "svg+xml" : "jpeg") +
          ";base64," + base64(slurp(picture.file)) + "\"><figcaption>" + escaped(picture.caption) +
          "</figcaption></figure>\n";
 }

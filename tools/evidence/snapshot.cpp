@@ -2,6 +2,7 @@
 
 #include <thread>
 
+#include "file/whole_file.hpp"
 #include "view/control/studio.hpp"
 #include "view/render/gauss_map.hpp"
 #include "view/render/sheet.hpp"
@@ -45,8 +46,8 @@ view::ViewScene view_of(const bench::LoadedScene& scene, const std::string& law,
   return seen;
 }
 
-void snapshot(const view::ViewScene& scene, const Look& look, const std::filesystem::path& png) {
-  constexpr int kHeight = 460, kPlot = 215;
+void snapshot(const view::ViewScene& scene, const Look& look, const std::filesystem::path& jpeg) {
+  constexpr int kHeight = 720, kPlot = 345;
   view::Studio studio(scene.info, static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
   view::Camera camera;
   camera.target_W = scene.device.X_WT.p;
@@ -55,10 +56,10 @@ void snapshot(const view::ViewScene& scene, const Look& look, const std::filesys
   camera.distance_m = look.radii * scene.info.tool_radius_m / std::sin(0.5 * camera.fov_y_rad);
   const std::string title =
       scene.info.name + ": law " + scene.info.law + ", " + std::to_string(scene.device.contact_count) + " contacts";
-  view::write_png(
-      view::compose_sheet(title, studio.picture(scene, camera, kHeight * 3 / 2, kHeight),
-                          view::draw_gauss_map(scene, camera, kPlot), studio.slice(scene, camera, kPlot), {}),
-      png);
+  const view::Image sheet =
+      view::compose_sheet(title, studio.picture(scene, camera, kHeight * 4 / 3, kHeight),
+                          view::draw_gauss_map(scene, camera, kPlot), studio.slice(scene, camera, kPlot), {});
+  write_whole(jpeg, view::encode_jpeg(sheet, 85));
 }
 
 }  // namespace tact::evidence

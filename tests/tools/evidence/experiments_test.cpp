@@ -8,8 +8,6 @@
 namespace tact::evidence {
 namespace {
 
-void PrintTo(const Experiment& e, std::ostream* out) { *out << e.name; }
-
 /// Every experiment in its quick form: `tact report --quick`.
 class QuickExperiment : public ::testing::TestWithParam<Experiment> {
  protected:
@@ -46,8 +44,8 @@ TEST_P(QuickExperiment, SaysWhatItFoundAndSaysTheSameAgain) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, QuickExperiment, ::testing::ValuesIn(experiments().begin(), experiments().end()),
-                         [](const auto& info) {
-                           std::string name = info.param.name;
+                         [](const ::testing::TestParamInfo<Experiment>& tested) {
+                           std::string name = tested.param.name;
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });
