@@ -16,6 +16,7 @@
 #include "bench/scene.hpp"
 #include "contact/bake/worker/field_bake.hpp"
 #include "fault/fault.hpp"
+#include "session/session.hpp"
 
 namespace tact::bench {
 namespace {
@@ -52,7 +53,7 @@ std::string quoted(const std::string& word) {
 }
 
 Json run_child(const std::string& who, const std::string& scene, int cells) {
-  const std::string command = quoted(std::filesystem::read_symlink("/proc/self/exe")) + " --bake-child " + who + " " +
+  const std::string command = quoted(libexec_dir() / "tact-bench") + " --bake-child " + who + " " +
                               quoted(scene) + " " + std::to_string(cells);
   FILE* pipe = ::popen(command.c_str(), "r");
   std::string text;
