@@ -28,7 +28,9 @@ class Builder {
     const int turns = static_cast<int>(std::ceil(height / thread.pitch_m)) + 4;
     const double least = 1e-3 * thread.pitch_m;  // no triangle is lower
     const auto level = [&](int column, int corner) {
-      return thread.pitch_m * (static_cast<double>(column) / sides_ + corner / 4 - 2 + kCorners[corner % 4u]);
+      const auto of_profile = static_cast<std::size_t>(corner % 4);
+      const int turn = corner / 4 - 2;
+      return thread.pitch_m * (static_cast<double>(column) / sides_ + turn + kCorners[of_profile]);
     };
     std::array<Ring, 2> ends;
     std::vector<Ring> columns(static_cast<std::size_t>(sides_));
@@ -45,7 +47,7 @@ class Builder {
     }
     const auto corner = [&](int j, int m) {
       return j < sides_ ? columns[static_cast<std::size_t>(j)][static_cast<std::size_t>(m)]
-                        : columns[0][static_cast<std::size_t>(m + 4)];
+                        : columns[0][static_cast<std::size_t>(m) + 4];
     };
     for (int j = 0; j < sides_; ++j) {
       for (int m = 0; m + 1 < 4 * turns; ++m) {

@@ -57,7 +57,7 @@ fs::path scaled(const std::string& name, double size_m, const fs::path& folder) 
     in >> p.x() >> p.y() >> p.z();
     box.extend(p);
   }
-  const fs::path file = folder / (name + "-" + number(1e3 * size_m) + ".off");
+  fs::path file = folder / (name + "-" + number(1e3 * size_m) + ".off");
   std::ofstream out(file);
   out.precision(9);
   out << "OFF\n" << vertices << ' ' << faces << " 0\n";
