@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "fault/fault.hpp"
+#include "session/mesh_parts.hpp"
 #include "session/scene_keys.hpp"
 #include "session/toml_file.hpp"
 
@@ -35,7 +36,7 @@ void check_body(const std::string& where, const std::string& name, const BodySpe
     refuse(where, name + ".params." + body.shape_params.begin()->first, "a shape's parameter", "none with a mesh");
   }
   if (body.unit.empty()) refuse(where, name + ".unit", "nothing", "one of m mm cm inch: the unit of the mesh file");
-  check_file(where, name + ".mesh", body.mesh);
+  check_file(where, name + ".mesh", mesh_parts(body.mesh).file);
 }
 
 void check_scene(const SceneSpec& scene, const std::string& where, const std::string& prefix) {

@@ -25,8 +25,9 @@ struct Shape {
 /// A shape's defaults overlaid with what was given, checked. Throws as make_shape.
 Values complete_values(const std::string& name, const Values& given);
 
-std::vector<Shape> simple_shapes();   ///< bodies of a few faces
-std::vector<Shape> puzzle_shapes();   ///< the alpha
-std::vector<Shape> machine_shapes();  ///< engine bay, landing gear, and what is put into them
+std::vector<Shape> simple_shapes();    ///< bodies of a few faces
+std::vector<Shape> puzzle_shapes();    ///< the alpha
+std::vector<Shape> fastener_shapes();  ///< bolt and nut
+std::vector<Shape> machine_shapes();   ///< engine bay, landing gear, and what is put into them
 
 }  // namespace tact::shapes

@@ -16,7 +16,8 @@ using shapes::Values;
 const std::vector<Shape>& all() {
   static const std::vector<Shape> list = [] {
     std::vector<Shape> shapes;
-    for (auto&& group : {shapes::simple_shapes(), shapes::puzzle_shapes(), shapes::machine_shapes()}) {
+    for (auto&& group :
+         {shapes::simple_shapes(), shapes::puzzle_shapes(), shapes::fastener_shapes(), shapes::machine_shapes()}) {
       shapes.insert(shapes.end(), group.begin(), group.end());
     }
     std::sort(shapes.begin(), shapes.end(), [](const Shape& a, const Shape& b) { return a.info.name < b.info.name; });

@@ -22,6 +22,7 @@ void bench_accuracy(const Effort& effort, Report& report);
 void bench_cluster(const Effort& effort, Report& report);
 void bench_gradient(const Effort& effort, Report& report);
 void bench_walls(const Effort& effort, Report& report);
+void bench_assemblies(const Effort& effort, Report& report);
 void bench_wedge(const Effort& effort, Report& report);
 
 }  // namespace tact::bench

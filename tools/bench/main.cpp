@@ -29,6 +29,8 @@ constexpr Benchmark kBenchmarks[] = {
     {"cluster", "Contacts that law cluster leaves, by distance", tact::bench::bench_cluster},
     {"gradient", "What G foretells of the next wrench, and what weights do, by law", tact::bench::bench_gradient},
     {"walls", "What thin parts bear, and closed paths through them, by direction of force", tact::bench::bench_walls},
+    {"assemblies", "Pegs, a screw, an engine's part, scans: play, pitch, depth against what is exact",
+     tact::bench::bench_assemblies},
     {"wedge", "Stiffness felt of a wedge against its angle, by law and eigen-filtered", tact::bench::bench_wedge},
 };
 

@@ -67,7 +67,9 @@ void add_session_options(CLI::App& command, tact::cli::RunOptions& o) {
                      "Machine file: device, rates, transport (default: /etc/tact/machine.toml if there)");
   command.add_option("--obstacle", o.obstacle,
                      "Your own mesh as the fixed body (OBJ, STL, PLY, OFF, glTF, DAE); needs --unit");
-  command.add_option("--tool", o.tool, "Your own mesh as the held body; needs --unit");
+  command.add_option(
+      "--tool", o.tool,
+      "Your own mesh as the held body; needs --unit. FILE#PART: that part of it, FILE#!PART: all others");
   command.add_option("--unit", o.unit, "Unit of the numbers in your meshes: m, cm, mm or inch");
 }
 

@@ -76,6 +76,11 @@ constexpr Experiment kExperiments[] = {
     {"stability", "Largest stable stiffness",
      "By law, coupling, device mode, rate, delay and hand: where does the tool begin to swing?",
      bench::bench_stability},
+    {"assemblies", "Real assemblies",
+     "Pegs in holes of known play, a bolt in its nut, a part of an engine drawn out and put back, scans pressed "
+     "together: "
+     "what is exact is beside what was found.",
+     bench::bench_assemblies},
     {"peers", "Beside FCL and OpenVDB", "The same work in the same run.", peers},
 };
 

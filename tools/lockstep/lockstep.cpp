@@ -17,8 +17,8 @@ coupling::DeviceOptions device_of(const Experiment& setup, const coupling::LoopC
                      "\", expected \"simulated\": an experiment moves no arm");
   }
   coupling::DeviceOptions options = coupling::device_options(setup.session);
-  coupling::take_bodies(config, options);
   if (!setup.motion_WM.time_s.empty()) options.hand_motion = setup.motion_WM;
+  coupling::take_bodies(config, options);  // from poses of the mesh frame to those of the handle
   if (setup.hand) options.hand = *setup.hand;
   return options;
 }

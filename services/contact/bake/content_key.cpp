@@ -7,6 +7,7 @@
 
 #include "fault/fault.hpp"
 #include "file/sealed_file.hpp"
+#include "session/mesh_parts.hpp"
 #include "shapes/shapes.hpp"
 
 namespace tact::contact {
@@ -55,9 +56,12 @@ std::uint64_t body_key(const BodySpec& body, std::uint64_t seed) {
     throw SetupError(body.mesh.string() +
                      ": no unit given, expected unit = m, mm, cm or inch: mesh files do not state it");
   }
-  const std::string text = read_file(body.mesh);
-  hash = hash_text(text, hash_text(body.mesh.extension().string(), hash));
-  if (body.mesh.extension() == ".gltf") hash = add_gltf_buffers(text, body.mesh.parent_path(), hash);
+  const MeshParts parts = mesh_parts(body.mesh);
+  for (const std::string& name : parts.only) hash = hash_text("part " + name, hash);
+  for (const std::string& name : parts.without) hash = hash_text("without " + name, hash);
+  const std::string text = read_file(parts.file);
+  hash = hash_text(text, hash_text(parts.file.extension().string(), hash));
+  if (parts.file.extension() == ".gltf") hash = add_gltf_buffers(text, parts.file.parent_path(), hash);
   return hash;
 }
 

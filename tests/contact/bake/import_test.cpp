@@ -114,6 +114,33 @@ TEST_F(Import, AMeshNamedByManyNodesIsThereAsOften) {
   EXPECT_NEAR(volume(mesh), 6 + 6 + 8 * 6, 1e-4);
 }
 
+TEST_F(Import, PartsAreChosenByNodeOrMeshWithAllBelow) {
+  const auto file = gltf(R"({"name":"shelf","children":[1,2]},{"name":"left","mesh":0},
+    {"name":"right","mesh":0,"translation":[10,0,0],"children":[3]},{"name":"lid","mesh":0,"translation":[10,0,0]})");
+  const auto part = [&](const char* names) { return import_mesh(file.string() + names, "m"); };
+  EXPECT_EQ(part("").triangles.size(), 36u);
+  EXPECT_EQ(part("#shelf").triangles.size(), 36u);
+  ASSERT_EQ(part("#lid").triangles.size(), 12u);
+  expect_box(box_of(part("#lid"), 0), kLow + Vec3(20, 0, 0), kHigh + Vec3(20, 0, 0));  // where its nodes put it
+  EXPECT_EQ(part("#right").triangles.size(), 24u);
+  EXPECT_EQ(part("#left#lid").triangles.size(), 24u);
+  EXPECT_EQ(part("#!right").triangles.size(), 12u);
+  EXPECT_EQ(part("#right#!lid").triangles.size(), 12u);
+  EXPECT_THROW(part("#lid#!right"), SetupError);  // nothing is left
+}
+
+TEST_F(Import, APartThatIsNotThereIsToldWithThoseThatAre) {
+  const auto file = gltf(R"({"name":"piston","mesh":0},{"name":"ring","mesh":0})", "0,1");
+  try {
+    import_mesh(file.string() + "#pistn", "m");
+    FAIL();
+  } catch (const SetupError& e) {
+    EXPECT_EQ(std::string(e.what()).find(file.string() + ": found no part \"pistn\" in it, expected one of "), 0u);
+    EXPECT_NE(std::string(e.what()).find("\"piston\""), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("did you mean piston?"), std::string::npos) << e.what();
+  }
+}
+
 /// A mirror image faces outward like its original: else a mirrored part inside another would be taken for a cavity.
 TEST_F(Import, AMirroredPartFacesOutward) {
   const Mesh mirrored = import_mesh(gltf(R"({"mesh":0,"scale":[-1,1,1]})"), "mm");

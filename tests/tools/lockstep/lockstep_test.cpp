@@ -60,6 +60,22 @@ TEST(Lockstep, TwoRunsOfOneSetupAgreeToTheLastBit) {
   }
 }
 
+/// A motion is of the tool's mesh frame, wherever its centre of mass is in that.
+TEST(Lockstep, AMotionBringsTheMeshFrameWhereItSays) {
+  Experiment setup = setup_of(flat_face(100));
+  auto shell = *setup.bodies.shell;
+  shell.X_TM = {Vec3(0.01, -0.02, 0.03), Quat(Eigen::AngleAxisd(0.5, Vec3::UnitX()))};
+  setup.bodies.shell = std::make_shared<const contact::Pointshell>(shell);
+  const Pose from{Vec3(0, 0, 0.2), Quat::Identity()};
+  const Pose to{Vec3(0.01, 0.02, 0.22), Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ()))};  // in the air
+  setup.session.scene.start_X_WM = from;
+  setup.motion_WM = {{0, 0.5, 1}, {from, to, to}};
+  Lockstep rig(setup);
+  ASSERT_TRUE(rig.run_script(1));
+  EXPECT_LT((rig.status().X_WM.p - to.p).norm(), 1e-4);
+  EXPECT_LT(rig.status().X_WM.q.angularDistance(to.q), 1e-2);
+}
+
 /// All points of a flat face at one depth d: the law decides how F = net k d is shared.
 TEST(Lockstep, AFlatFaceRestsAtTheDepthOfItsClosedForm) {
   constexpr double kForce_n = 10;  // the hand pulls with more, the coupling gives way at F_max
