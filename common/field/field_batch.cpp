@@ -197,6 +197,7 @@ void sample_chunk(const BatchView& field, const DistanceField::Points& points, c
   }
   const bool some_stored = find_slots(points.size, s);
   const D d;
+  const I di;
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0), band = hn::Set(d, field.band_m);
   const V inverse = hn::Set(d, field.inverse_voxel);
   for (std::size_t i = 0; i < points.size; i += hn::Lanes(d)) {
@@ -219,15 +220,12 @@ void sample_chunk(const BatchView& field, const DistanceField::Points& points, c
     hn::StoreU(hn::IfThenElseZero(in_band, hn::Mul(inverse, gx)), d, out.gx + i);
     hn::StoreU(hn::IfThenElseZero(in_band, hn::Mul(inverse, gy)), d, out.gy + i);
     hn::StoreU(hn::IfThenElseZero(in_band, hn::Mul(inverse, hn::Sub(y1, y0))), d, out.gz + i);
-    std::uint8_t bits[8] = {}, within[8] = {};
-    hn::StoreMaskBits(d, in_band, bits);
-    hn::StoreMaskBits(d, inside, within);
-    for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
-      const int doubtful = s.flags[i + k] < 0 ? (within[0] >> k) & 1 : 0;
-      out.flags[i + k] = static_cast<std::uint8_t>(((bits[0] >> k) & 1) * DistanceField::kInBand +
-                                                   doubtful * DistanceField::kDoubtful);
-    }
+    const V known = hn::IfThenElseZero(in_band, hn::Set(d, static_cast<double>(DistanceField::kInBand)));
+    const V doubt = hn::IfThenElseZero(inside, hn::Set(d, static_cast<double>(DistanceField::kDoubtful)));
+    const auto negative = hn::BroadcastSignBit(hn::LoadU(di, s.flags + i));  // CoarseEntry::kDoubtful
+    hn::StoreU(hn::Or(hn::DemoteTo(di, known), hn::And(negative, hn::DemoteTo(di, doubt))), di, s.index + i);
   }
+  for (std::size_t i = 0; i < points.size; ++i) out.flags[i] = static_cast<std::uint8_t>(s.index[i]);
 }
 
 }  // namespace tact::HWY_NAMESPACE

@@ -47,7 +47,7 @@ struct From {
 struct Tail {
   double r[3 * kLanes], N[3 * kLanes], g[3 * kLanes], depth[kLanes], gamma[kLanes];
 
-  Tail(const From& from, std::size_t count) {
+  From fill(const From& from, std::size_t count) {
     for (std::size_t i = 0; i < kLanes; ++i) {
       const std::size_t j = std::min(i, count - 1);
       std::copy_n(from.r + 3 * j, 3, r + 3 * i);
@@ -56,13 +56,13 @@ struct Tail {
       depth[i] = from.depth[j];
       gamma[i] = from.gamma[j];
     }
+    return {r, N, g, depth, gamma};
   }
-  From from() const { return {r, N, g, depth, gamma}; }
 };
 
 /// What a vector of contacts adds to the rows of their groups, contact by contact: halves of rows.
 struct Terms {
-  alignas(64) double own[2][4 * kLanes], other[2][4 * kLanes], weight[kLanes];
+  alignas(64) double own[2][4 * kLanes], less[2][4 * kLanes], weight[kLanes];
 };
 
 /// x^n, n >= 0, by squaring.
@@ -94,8 +94,8 @@ HWY_INLINE hn::Mask<D> vanishes(const V* g) {
   return hn::And(hn::And(hn::Eq(g[0], zero), hn::Eq(g[1], zero)), hn::Eq(g[2], zero));
 }
 
-template <bool kSymmetric>
-HWY_INLINE void terms_of(const From& from, int p, double inverse_depth, bool along_normal, Terms& out) {
+/// Returns whether a force does not run along its gradient: only then `less` is written.
+HWY_INLINE bool terms_of(const From& from, int p, double inverse_depth, bool along_normal, Terms& out) {
   const D d;
   const V gamma = hn::LoadU(d, from.gamma);
   const V rho = hn::Mul(hn::Mul(gamma, hn::Set(d, inverse_depth)), hn::LoadU(d, from.depth));
@@ -104,17 +104,21 @@ HWY_INLINE void terms_of(const From& from, int p, double inverse_depth, bool alo
   V r[3], g[3];
   hn::LoadInterleaved3(d, from.r, r[0], r[1], r[2]);
   hn::LoadInterleaved3(d, from.g, g[0], g[1], g[2]);
-  if constexpr (kSymmetric) {
+  const V zero = hn::Zero(d);
+  const auto along_N = along_normal ? hn::Eq(zero, zero) : vanishes(g);
+  if (hn::AllFalse(d, along_N)) {
     put_rows(hn::Mul(slope, rho), y, r, g, out.own);
-  } else {
-    V N[3], e[3];
-    hn::LoadInterleaved3(d, from.N, N[0], N[1], N[2]);
-    const V zero = hn::Zero(d);
-    const auto along_N = along_normal ? hn::Eq(zero, zero) : vanishes(g);
-    for (int a = 0; a < 3; ++a) e[a] = hn::IfThenElse(along_N, N[a], g[a]);
-    put_rows(hn::Mul(slope, rho), y, r, e, out.own);
-    put_rows(zero, y, r, g, out.other);
+    return false;
   }
+  V N[3], e[3], difference[3];
+  hn::LoadInterleaved3(d, from.N, N[0], N[1], N[2]);
+  for (int a = 0; a < 3; ++a) {
+    e[a] = hn::IfThenElse(along_N, N[a], g[a]);
+    difference[a] = hn::Sub(e[a], g[a]);
+  }
+  put_rows(hn::Mul(slope, rho), y, r, e, out.own);
+  put_rows(zero, y, r, difference, out.less);
+  return true;
 }
 
 HWY_INLINE void add_half(const double* HWY_RESTRICT from, double* HWY_RESTRICT to) {
@@ -124,75 +128,65 @@ HWY_INLINE void add_half(const double* HWY_RESTRICT from, double* HWY_RESTRICT t
   }
 }
 
-/// Adds the contacts to their groups and begins the weights.
-template <bool kSymmetric>
-HWY_INLINE void add_contacts(From from, int p, double inverse_depth, ContactBuffer& contacts,
+HWY_INLINE void clear(PotentialRow& row) {
+  for (std::size_t k = 0; k < kRow; k += kLanes) hn::Store(hn::Zero(D()), D(), row.v + k);
+}
+
+/// Adds the contacts to their groups and begins the weights. Returns whether a group differs.
+HWY_INLINE bool add_contacts(From from, int p, double inverse_depth, ContactBuffer& contacts,
                              PotentialWorkspace& work) {
   for (std::size_t g = 0; g < work.size; ++g) {
-    work.group[g].own = {};
-    if (!kSymmetric) work.group[g].other = {};
+    clear(work.group[g].own);
+    clear(work.group[g].less);
+    work.group[g].differs = false;
   }
   const bool along_normal = contacts.force_along == ForceDirection::normal;
+  bool any = false;
   for (std::size_t begin = 0; begin < contacts.size; begin += kLanes) {
     const std::size_t count = std::min(kLanes, contacts.size - begin);
+    Tail tail;
     Terms terms;
-    if (count == kLanes) {
-      terms_of<kSymmetric>(from, p, inverse_depth, along_normal, terms);
-    } else {
-      const Tail tail(from, count);
-      terms_of<kSymmetric>(tail.from(), p, inverse_depth, along_normal, terms);
-    }
+    const bool differs =
+        terms_of(count == kLanes ? from : tail.fill(from, count), p, inverse_depth, along_normal, terms);
     std::copy_n(terms.weight, count, contacts.weight.data() + begin);
     for (std::size_t i = 0; i < count; ++i) {
       PotentialGroup& group = work.group[work.group_of[begin + i]];
       add_half(terms.own[0] + 4 * i, group.own.v);
       add_half(terms.own[1] + 4 * i, group.own.v + 4);
-      if constexpr (!kSymmetric) {
-        add_half(terms.other[0] + 4 * i, group.other.v);
-        add_half(terms.other[1] + 4 * i, group.other.v + 4);
+    }
+    if (differs) {
+      any = true;
+      for (std::size_t i = 0; i < count; ++i) {
+        PotentialGroup& group = work.group[work.group_of[begin + i]];
+        group.differs = true;
+        add_half(terms.less[0] + 4 * i, group.less.v);
+        add_half(terms.less[1] + 4 * i, group.less.v + 4);
       }
     }
     from = {from.r + 3 * kLanes, from.N + 3 * kLanes, from.g + 3 * kLanes, from.depth + kLanes, from.gamma + kLanes};
   }
+  return any;
 }
 
-/// The largest depth, and whether every contact's force runs along its gradient.
-HWY_INLINE double survey(From from, const ContactBuffer& contacts, bool& symmetric) {
+HWY_INLINE double largest(const double* depth, std::size_t count) {
   const D d;
-  V deepest = hn::Zero(d);
-  auto along_N = hn::FirstN(d, 0);
-  const auto look = [&](const From& at) {
-    V g[3];
-    hn::LoadInterleaved3(d, at.g, g[0], g[1], g[2]);
-    along_N = hn::Or(along_N, vanishes(g));
-    deepest = hn::Max(deepest, hn::LoadU(d, at.depth));
-  };
-  std::size_t left = contacts.size;
-  for (; left >= kLanes; left -= kLanes) {
-    look(from);
-    from = {from.r + 3 * kLanes, from.N + 3 * kLanes, from.g + 3 * kLanes, from.depth + kLanes, from.gamma + kLanes};
-  }
-  if (left > 0) look(Tail(from, left).from());
-  symmetric = contacts.force_along == ForceDirection::gradient && hn::AllFalse(d, along_N);
-  return hn::GetLane(hn::MaxOfLanes(d, deepest));
+  V most = hn::Zero(d);
+  std::size_t i = 0;
+  for (; i + kLanes <= count; i += kLanes) most = hn::Max(most, hn::LoadU(d, depth + i));
+  double result = hn::GetLane(hn::MaxOfLanes(d, most));
+  for (; i < count; ++i) result = std::max(result, depth[i]);
+  return result;
 }
 
-/// Adds every group to the rows of the directions it reaches.
-template <bool kSymmetric>
-HWY_INLINE void scatter(const PotentialSupports& supports, PotentialWorkspace& work) {
+/// Adds a group's row to the rows of the directions it reaches.
+HWY_INLINE void scatter(const PotentialSupports& supports, PotentialSupport support, const PotentialRow& from,
+                        PotentialRow* HWY_RESTRICT to) {
   const D d;
   const std::uint16_t* HWY_RESTRICT direction = supports.direction.data();
   const float* HWY_RESTRICT beta = supports.beta.data();
-  PotentialRow* HWY_RESTRICT own = work.own.data();
-  PotentialRow* HWY_RESTRICT other = work.other.data();
-  const PotentialGroup* HWY_RESTRICT groups = work.group.data();
-  for (std::size_t g = 0; g < work.size; ++g) {
-    const Row group_own(groups[g].own), group_other(groups[g].other);
-    for (std::size_t e = groups[g].support.begin, end = groups[g].support.end; e < end; ++e) {
-      const V factor = hn::Set(d, static_cast<double>(beta[e]));
-      group_own.add(factor, own[direction[e]]);
-      if constexpr (!kSymmetric) group_other.add(factor, other[direction[e]]);
-    }
+  const Row row(from);
+  for (std::size_t e = support.begin; e < support.end; ++e) {
+    row.add(hn::Set(d, static_cast<double>(beta[e])), to[direction[e]]);
   }
 }
 
@@ -232,10 +226,10 @@ HWY_INLINE void scale_rows(const PotentialWorkspace& work, std::size_t count, st
 }
 
 /// out(a, b) = sum_u own_u[a + 1] right_u[b + 1], of scaled rows.
-HWY_INLINE void outer_products(const PotentialWorkspace& work, std::size_t count,
-                               const std::vector<PotentialRow>& right_rows, Mat6& out) {
+HWY_NOINLINE void outer_products(const PotentialWorkspace& work, std::size_t count,
+                                 const std::vector<PotentialRow>& right_rows, Mat6& out) {
   const D d;
-  PotentialRow sums[6];
+  alignas(64) double sums[6][kRow];
   for (std::size_t k = 0; k < kRow; k += hn::Lanes(d)) {
     V s0 = hn::Zero(d), s1 = s0, s2 = s0, s3 = s0, s4 = s0, s5 = s0;
     for (std::size_t n = 0; n < count; ++n) {
@@ -250,10 +244,10 @@ HWY_INLINE void outer_products(const PotentialWorkspace& work, std::size_t count
       s5 = hn::MulAdd(hn::Set(d, left[5]), right, s5);
     }
     const V all[6] = {s0, s1, s2, s3, s4, s5};
-    for (std::size_t a = 0; a < 6; ++a) hn::Store(all[a], d, sums[a].v + k);
+    for (std::size_t a = 0; a < 6; ++a) hn::Store(all[a], d, sums[a] + k);
   }
   for (int a = 0; a < 6; ++a) {
-    for (int b = 0; b < 6; ++b) out(a, b) = sums[a].v[b + 1];
+    for (int b = 0; b < 6; ++b) out(a, b) = sums[a][b + 1];
   }
 }
 
@@ -281,24 +275,25 @@ HWY_INLINE void gather(const PotentialSupports& supports, PotentialWorkspace& wo
 void run(const PotentialSupports& supports, int p, ContactBuffer& contacts, PotentialWorkspace& work) {
   const From from{contacts.r.data()->data(), contacts.N.data()->data(), contacts.g.data()->data(),
                   contacts.depth_m.data(), work.gamma.data()};
-  const double deepest = survey(from, contacts, work.symmetric), inverse = deepest > 0 ? 1 / deepest : 0;
-  std::fill(work.own.begin(), work.own.end(), PotentialRow());
-  if (work.symmetric) {
-    add_contacts<true>(from, p, inverse, contacts, work);
-    scatter<true>(supports, work);
-  } else {
-    std::fill(work.other.begin(), work.other.end(), PotentialRow());
-    add_contacts<false>(from, p, inverse, contacts, work);
-    scatter<false>(supports, work);
+  const double deepest = largest(contacts.depth_m.data(), contacts.size), inverse = deepest > 0 ? 1 / deepest : 0;
+  const bool differs = add_contacts(from, p, inverse, contacts, work);
+  for (PotentialRow& row : work.own) clear(row);
+  for (std::size_t g = 0; g < work.size; ++g) {
+    scatter(supports, work.group[g].support, work.group[g].own, work.own.data());
   }
   const std::size_t active = powers_of_a(p, work);
   scale_rows(work, active, work.own);
   outer_products(work, active, work.own, work.ss);
-  if (work.symmetric) {
-    work.sh = work.ss;
-  } else {
-    scale_rows(work, active, work.other);
-    outer_products(work, active, work.other, work.sh);
+  work.sh = work.ss;
+  if (differs) {
+    for (PotentialRow& row : work.less) clear(row);
+    for (std::size_t g = 0; g < work.size; ++g) {
+      if (work.group[g].differs) scatter(supports, work.group[g].support, work.group[g].less, work.less.data());
+    }
+    scale_rows(work, active, work.less);
+    Mat6 less;
+    outer_products(work, active, work.less, less);
+    work.sh -= less;
   }
   gather(supports, work);
   for (std::size_t i = 0; i < contacts.size; ++i) contacts.weight[i] *= work.sum[work.group_of[i]];
@@ -323,7 +318,7 @@ PotentialWorkspace::PotentialWorkspace(std::size_t capacity, std::size_t groups,
       gamma(capacity),
       group(groups),
       own(directions),
-      other(directions),
+      less(directions),
       slope(directions),
       active(directions + 1),
       a(whole_vectors(directions + 1)),

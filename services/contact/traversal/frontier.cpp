@@ -4,6 +4,7 @@
 // The order matters: what follows foreach_target.h is compiled for every target.
 #include <hwy/foreach_target.h>
 // clang-format off
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 // clang-format on
 
@@ -21,24 +22,25 @@ using U = hn::RebindToUnsigned<F>;
 using D = hn::CappedTag<double, 8>;
 using V = hn::Vec<D>;
 
-HWY_INLINE void append_one(Family family, const Node* nodes, Frontier& to) {
+HWY_INLINE void append_one(Family family, const Hierarchy& all, Frontier& to) {
   constexpr std::size_t kAtOnce = 8;  // once, but for large families; what is written too much the next one overwrites
   const hn::CappedTag<std::uint32_t, kAtOnce> du;
   const F df;
   const auto count = hn::Iota(du, 0);
   for (std::uint32_t k = 0; k < family.count; k += kAtOnce) {
+    hwy::Prefetch(all.families.data() + family.begin + k);  // wanted once these nodes are visited
     std::uint32_t* HWY_RESTRICT id = to.id.data() + to.size + k;
     for (std::size_t j = 0; j < kAtOnce; j += hn::Lanes(du)) {
       hn::StoreU(hn::Add(count, hn::Set(du, family.begin + k + static_cast<std::uint32_t>(j))), du, id + j);
     }
-    const float* HWY_RESTRICT from = &nodes[family.begin + k].x;
+    const float* HWY_RESTRICT from = &all.nodes[family.begin + k].x;
     float* HWY_RESTRICT out = &to.node[to.size + k].x;
     for (std::size_t j = 0; j < 4 * kAtOnce; j += hn::Lanes(df)) hn::StoreU(hn::LoadU(df, from + j), df, out + j);
   }
   to.size += family.count;
 }
 
-void append_family(Family family, const Node* nodes, Frontier& to) { append_one(family, nodes, to); }
+void append_family(Family family, const Hierarchy& all, Frontier& to) { append_one(family, all, to); }
 
 /// Writes the ids of nodes whose clearance is not more than the limit, side by side. Returns how many there are.
 template <class Limit>
@@ -61,12 +63,12 @@ void part_nodes(const Cleared& nodes, float slack, Candidates& candidates) {
       nodes, [&](std::size_t) { return limit; }, candidates.id.data() + candidates.size);
 }
 
-void descend_nodes(const Cleared& nodes, const std::vector<Family>& families, const Node* all, Frontier& next) {
+void descend_nodes(const Cleared& nodes, const Hierarchy& all, Frontier& next) {
   std::uint32_t open[kChunk + kBeyond];
   const std::size_t count = pick(
       nodes, [&](std::size_t i) { return hn::LoadU(F(), nodes.needed + i); }, open);
   for (std::size_t k = 0; k < count; ++k) {
-    if (open[k] < families.size()) append_one(families[open[k]], all, next);
+    if (open[k] < all.families.size()) append_one(all.families[open[k]], all, next);
   }
 }
 
@@ -142,16 +144,16 @@ HWY_EXPORT(part_nodes);
 HWY_EXPORT(descend_nodes);
 HWY_EXPORT(emit_chunk);
 
-void append(Family family, const Node* nodes, Frontier& to) noexcept {
-  HWY_DYNAMIC_DISPATCH(append_family)(family, nodes, to);
+void append(Family family, const Hierarchy& all, Frontier& to) noexcept {
+  HWY_DYNAMIC_DISPATCH(append_family)(family, all, to);
 }
 
 void part(const Cleared& nodes, float slack, Candidates& candidates) noexcept {
   HWY_DYNAMIC_DISPATCH(part_nodes)(nodes, slack, candidates);
 }
 
-void descend(const Cleared& nodes, const std::vector<Family>& families, const Node* all, Frontier& next) noexcept {
-  HWY_DYNAMIC_DISPATCH(descend_nodes)(nodes, families, all, next);
+void descend(const Cleared& nodes, const Hierarchy& all, Frontier& next) noexcept {
+  HWY_DYNAMIC_DISPATCH(descend_nodes)(nodes, all, next);
 }
 
 Emitted emit(const Sampled& candidates, std::size_t count, ContactBuffer& contacts) noexcept {

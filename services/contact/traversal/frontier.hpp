@@ -18,6 +18,12 @@ struct Family {
   std::uint32_t begin, count;
 };
 
+/// All nodes of a shell, and kBeyond more.
+struct Hierarchy {
+  std::vector<Node> nodes;
+  std::vector<Family> families;  ///< of the nodes before the leaves
+};
+
 /// Nodes of a level that are to be visited, ascending, copied side by side.
 struct Frontier {
   explicit Frontier(std::size_t most) : id(most + kBeyond), node(most + kBeyond) {}
@@ -26,8 +32,8 @@ struct Frontier {
   std::vector<Node> node;
 };
 
-/// Adds a family. Real-time. @pre `nodes` reach kBeyond beyond the shell, `to` has room
-void append(Family family, const Node* nodes, Frontier& to) noexcept;
+/// Adds a family. Real-time. @pre `to` has room
+void append(Family family, const Hierarchy& all, Frontier& to) noexcept;
 
 /// Nodes of a chunk, the clearance of each, and what its sphere needs to be skipped.
 struct Cleared {
@@ -47,7 +53,7 @@ struct Candidates {
 /// to `next`. Without branches that depend on where nodes lie. The widest SIMD the processor has is chosen at run time.
 /// Real-time: does not allocate, lock or throw.
 void part(const Cleared& nodes, float slack, Candidates& candidates) noexcept;
-void descend(const Cleared& nodes, const std::vector<Family>& families, const Node* all, Frontier& next) noexcept;
+void descend(const Cleared& nodes, const Hierarchy& all, Frontier& next) noexcept;
 
 /// Candidates of a chunk, placed and sampled.
 struct Sampled {

@@ -37,15 +37,15 @@ Traversal::Traversal(DistanceField field, std::shared_ptr<const Pointshell> shel
   std::uint32_t leaves = 0;  // nothing from here on has children
   for (std::uint32_t i = 0; i < shell_->size(); ++i) {
     const Eigen::Vector3f &p = shell_->position_T[i], &n = shell_->normal_T[i];
-    nodes_.push_back({p.x(), p.y(), p.z(), shell_->radius_m[i]});
+    all_.nodes.push_back({p.x(), p.y(), p.z(), shell_->radius_m[i]});
     normals_.push_back({n.x(), n.y(), n.z(), 0});
     farthest_m_ = std::max(farthest_m_, p.cast<double>().norm());
     if (i >= last_top && shell_->child_begin[i] < shell_->child_end[i]) leaves = i + 1;
   }
-  nodes_.resize(shell_->size() + kBeyond);
+  all_.nodes.resize(shell_->size() + kBeyond);
   for (std::uint32_t i = 0; i < leaves; ++i) {
     const std::uint32_t begin = shell_->child_begin[i], end = shell_->child_end[i];
-    families_.push_back({begin, i >= last_top && begin < end ? end - begin : 0});
+    all_.families.push_back({begin, i >= last_top && begin < end ? end - begin : 0});
   }
 }
 
@@ -99,7 +99,7 @@ float Traversal::search(const Frame& frame, bool want_clearance, Findings& found
   float clearance = want_clearance ? std::numeric_limits<float>::infinity() : 0;
   candidates_.size = 0;
   level_.size = 0;
-  append({0, top_size_}, nodes_.data(), level_);
+  append({0, top_size_}, all_, level_);
   while (level_.size > 0) {
     next_level_.size = 0;
     found.nodes_visited += level_.size;
@@ -139,7 +139,7 @@ void Traversal::visit(std::size_t begin, std::size_t count, const ToCells& to_ce
       clearance = free < clearance ? free : clearance;
     }
   }
-  if (nodes.id[0] < families_.size()) descend(nodes, families_, nodes_.data(), next_level_);
+  if (nodes.id[0] < all_.families.size()) descend(nodes, all_, next_level_);
 }
 
 void Traversal::place_and_sample(const Frame& frame, std::size_t begin, std::size_t count,
@@ -150,7 +150,7 @@ void Traversal::place_and_sample(const Frame& frame, std::size_t begin, std::siz
   for (std::size_t k = 0; k < whole; ++k) {
     const std::uint32_t id = candidates_.id[begin + std::min(k, count - 1)];
     out.id[k] = id;
-    point[k] = nodes_[id];
+    point[k] = all_.nodes[id];
     normal[k] = normals_[id];
   }
   const auto all = [](double(&v)[3][kChunk]) { return Placed{v[0], v[1], v[2]}; };

@@ -71,8 +71,8 @@ class Traversal {
   DistanceField field_;
   ClearanceView field_in_cells_;
   std::shared_ptr<const Pointshell> shell_;
-  std::vector<Node> nodes_, normals_;
-  std::vector<Family> families_;  ///< of the nodes before the leaves
+  Hierarchy all_;
+  std::vector<Node> normals_;
   Frontier level_, next_level_;
   Candidates candidates_;
   std::vector<Deep> deepest_;   ///< scratch of keep_deepest
