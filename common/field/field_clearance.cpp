@@ -39,26 +39,27 @@ HWY_INLINE void find_cells(const ClearanceView& field, const CellPlaces& places,
   const F d;
   const I di;
   const float* from[3] = {places.x, places.y, places.z};
-  const std::int32_t step[3] = {1, kBlockCorners, kBlockCorners * kBlockCorners};
+  const VI row = hn::Set(di, field.row), slice = hn::Set(di, field.slice);
+  const auto nine_times = [](VI i) { return hn::Add(hn::ShiftLeft<3>(i), i); };
+  static_assert(kBlockCorners == 9);
   for (std::size_t i = 0; i < places.size; i += hn::Lanes(d)) {
     VF out = hn::Zero(d);
-    VI index = hn::Zero(di), corner = hn::Zero(di);
+    VI block[3], in_block[3];
     for (int a = 0; a < 3; ++a) {
       const VF u = hn::LoadU(d, from[a] + i), cells = hn::Set(d, field.cells[a]);
       const VF nearest = hn::Min(hn::Max(u, hn::Zero(d)), cells);
       const VF beyond = hn::Sub(u, nearest);
       out = hn::MulAdd(beyond, beyond, out);
       const VI cell = hn::ConvertTo(di, hn::Min(nearest, hn::Sub(cells, hn::Set(d, 1.0f))));
-      const VI block = hn::ShiftRight<3>(cell), in_block = hn::And(cell, hn::Set(di, kBlockCells - 1));
+      block[a] = hn::ShiftRight<3>(cell), in_block[a] = hn::And(cell, hn::Set(di, kBlockCells - 1));
       const VF f = hn::Sub(nearest, hn::ConvertTo(d, cell));
       hn::Store(f, d, s.f[a] + i);
-      hn::Store(hn::Add(f, hn::ConvertTo(d, hn::Sub(in_block, hn::Set(di, kBlockCells / 2)))), d, s.v[a] + i);
-      index = hn::Add(index, hn::Mul(block, hn::Set(di, field.stride[a])));
-      corner = hn::Add(corner, hn::Mul(in_block, hn::Set(di, step[a])));
+      hn::Store(hn::Add(f, hn::ConvertTo(d, hn::Sub(in_block[a], hn::Set(di, kBlockCells / 2)))), d, s.v[a] + i);
     }
     hn::Store(out, d, s.out_square + i);
+    const VI index = hn::Add(hn::Add(hn::Mul(block[2], slice), hn::Mul(block[1], row)), block[0]);
     hn::Store(index, di, s.index + i);
-    hn::Store(corner, di, s.corner + i);
+    hn::Store(hn::Add(nine_times(hn::Add(nine_times(in_block[2]), in_block[1])), in_block[0]), di, s.corner + i);
   }
 }
 
@@ -159,7 +160,7 @@ ClearanceView::ClearanceView(const DistanceField& field) noexcept {
   coarse = view.coarse;
   blocks = view.blocks;
   for (int a = 0; a < 3; ++a) cells[a] = static_cast<float>(view.cells[a]);
-  stride[0] = 1, stride[1] = view.row, stride[2] = view.slice;
+  row = view.row, slice = view.slice;
   band = static_cast<float>(view.band_m / view.voxel_m);
   step = static_cast<float>(view.scale_m / view.voxel_m);
   face_slack = static_cast<float>(view.face_slack_m / view.voxel_m);

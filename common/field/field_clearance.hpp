@@ -23,7 +23,7 @@ struct ClearanceView {
   const CoarseEntry* coarse;
   const FieldBlock* blocks;
   float cells[3];
-  std::int32_t stride[3];  ///< of coarse entries along x, y, z
+  std::int32_t row, slice;  ///< strides of coarse entries
   float band, step, face_slack, far_slack;
 };
 

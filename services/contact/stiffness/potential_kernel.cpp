@@ -21,6 +21,7 @@ using D = hn::CappedTag<double, kRow>;
 using V = hn::Vec<D>;
 
 constexpr std::size_t kLanes = hn::MaxLanes(D());  // x86: the size of a vector is known
+static_assert(kLanes <= ContactBuffer::kBeyond);
 constexpr std::size_t kParts = kRow / kLanes;
 
 /// A row in registers.
@@ -148,7 +149,7 @@ HWY_INLINE bool add_contacts(From from, int p, double inverse_depth, ContactBuff
     Terms terms;
     const bool differs =
         terms_of(count == kLanes ? from : tail.fill(from, count), p, inverse_depth, along_normal, terms);
-    std::copy_n(terms.weight, count, contacts.weight.data() + begin);
+    hn::StoreU(hn::Load(D(), terms.weight), D(), contacts.weight.data() + begin);  // kBeyond
     for (std::size_t i = 0; i < count; ++i) {
       PotentialGroup& group = work.group[work.group_of[begin + i]];
       add_half(terms.own[0] + 4 * i, group.own.v);
