@@ -11,6 +11,7 @@
 #include <cstring>
 
 #include "field/field_batch.hpp"
+#include "field/field_reads-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace tact::HWY_NAMESPACE {
@@ -29,9 +30,8 @@ struct Scratch {
   alignas(64) double slope[kBatchChunk];         ///< CoarseEntry::inverse_slope
   alignas(64) std::int32_t index[kBatchChunk];   ///< of the coarse entry; of the nearest point inside
   alignas(64) std::int32_t corner[kBatchChunk];  ///< index of the cell's first corner in its block
-  /// CoarseEntry as words: slot_and_flags; level; tilt x and y; tilt z and inverse_slope.
-  alignas(64) std::int32_t flags[kBatchChunk], level[kBatchChunk], tilt_xy[kBatchChunk], tilt_z_slope[kBatchChunk];
-  alignas(64) std::int32_t pair[4][kBatchChunk];  ///< corners at (y, z) = 00, 10, 01, 11, two along x as in memory
+  alignas(64) std::int32_t flags[kBatchChunk];
+  alignas(64) std::int32_t slot[kBatchChunk];  ///< of the block to read; any where none is
 };
 
 /// Where the points are in the grid.
@@ -80,37 +80,18 @@ HWY_INLINE void locate(const BatchView& field, const DistanceField::Points& poin
   }
 }
 
-/// Reads the coarse entries: their cache misses overlap.
-HWY_INLINE void fetch_entries(const BatchView& field, std::size_t count, Scratch& s) {
-  for (std::size_t i = 0; i < count; ++i) {
-    std::int32_t words[4];
-    std::memcpy(words, field.coarse + s.index[i], sizeof words);
-    s.flags[i] = words[0];
-    s.level[i] = words[1];
-    s.tilt_xy[i] = words[2];
-    s.tilt_z_slope[i] = words[3];
+/// Sets the slots. False: no point is in a stored block, and there may be none at all.
+HWY_INLINE bool find_slots(std::size_t count, Scratch& s) {
+  const I di;
+  const auto no_slot = hn::Set(di, static_cast<std::int32_t>(CoarseEntry::kNotStored));
+  auto far = hn::Eq(no_slot, no_slot);
+  for (std::size_t i = 0; i < count; i += hn::Lanes(di)) {
+    const auto slot = hn::And(hn::LoadU(di, s.flags + i), no_slot);
+    const auto none = hn::Eq(slot, no_slot);
+    hn::StoreU(hn::IfThenZeroElse(none, slot), di, s.slot + i);
+    far = hn::And(far, none);
   }
-}
-
-constexpr FieldBlock kNoBlock{};
-
-/// Reads the corners of the points whose flags name a block; zeros for the others.
-HWY_INLINE void fetch_corners(const BatchView& field, std::size_t count, Scratch& s) {
-  constexpr std::size_t dy = kBlockCorners, dz = kBlockCorners * kBlockCorners;
-  const std::int16_t* at[kBatchChunk];
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t slot = static_cast<std::uint32_t>(s.flags[i]) & CoarseEntry::kSlotMask;
-    const FieldBlock* block = slot != CoarseEntry::kNotStored ? field.blocks + slot : &kNoBlock;
-    at[i] = block->q.data() + s.corner[i];
-    __builtin_prefetch(at[i]);
-    __builtin_prefetch(at[i] + dz);
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    std::memcpy(&s.pair[0][i], at[i], 4);
-    std::memcpy(&s.pair[1][i], at[i] + dy, 4);
-    std::memcpy(&s.pair[2][i], at[i] + dz, 4);
-    std::memcpy(&s.pair[3][i], at[i] + dz + dy, 4);
-  }
+  return !hn::AllTrue(di, far);
 }
 
 /// 0 for a stored block, else 1 outside the body and -1 inside.
@@ -124,7 +105,7 @@ HWY_INLINE V far_sign(const Scratch& s, std::size_t i) {
   return hn::IfThenElseZero(hn::Eq(slot, hn::Set(d, static_cast<double>(CoarseEntry::kNotStored))), sign);
 }
 
-/// Sets free and slope.
+/// Sets flags, free and slope.
 HWY_INLINE void promise(const BatchView& field, std::size_t count, Scratch& s) {
   const D d;
   const I di;
@@ -133,8 +114,11 @@ HWY_INLINE void promise(const BatchView& field, std::size_t count, Scratch& s) {
   const V zero = hn::Zero(d), voxel = hn::Set(d, field.voxel_m), slack = hn::Set(d, field.far_slack_m);
   const auto wide = [&](auto bits) { return hn::PromoteTo(d, hn::BitCast(single, bits)); };
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    const auto xy = hn::LoadU(di, s.tilt_xy + i), zs = hn::LoadU(di, s.tilt_z_slope + i);
-    const V level = wide(hn::LoadU(di, s.level + i));
+    hn::Vec<I> flags, bits, xy, zs;  // level; tilt x and y; tilt z and inverse_slope
+    transpose_rows(
+        di, [&](std::size_t k) { return entry_row(field.coarse[s.index[i + k]]); }, flags, bits, xy, zs);
+    hn::StoreU(flags, di, s.flags + i);
+    const V level = wide(bits);
     const V tx = wide(hn::ShiftLeft<16>(xy)), ty = wide(hn::And(xy, high)), tz = wide(hn::ShiftLeft<16>(zs));
     const V vx = hn::LoadU(d, s.v[0] + i), vy = hn::LoadU(d, s.v[1] + i), vz = hn::LoadU(d, s.v[2] + i);
     const V tilted = hn::Add(hn::Add(hn::Mul(tx, vx), hn::Mul(ty, vy)), hn::Mul(tz, vz));
@@ -146,13 +130,18 @@ HWY_INLINE void promise(const BatchView& field, std::size_t count, Scratch& s) {
   }
 }
 
-HWY_INLINE void corners(const BatchView& field, const Scratch& s, std::size_t i, int k, V& low, V& high) {
+/// Values at the eight corners, x fastest. Of points that are in no stored block: any.
+HWY_INLINE void corners(const BatchView& field, const Scratch& s, std::size_t i, V* v) {
   const D d;
   const I di;
   const V scale = hn::Set(d, field.scale_m);
-  const auto both = hn::LoadU(di, s.pair[k] + i);
-  low = hn::Mul(scale, hn::PromoteTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(both))));
-  high = hn::Mul(scale, hn::PromoteTo(d, hn::ShiftRight<16>(both)));
+  hn::Vec<I> pair[4];
+  const auto row = [&](std::size_t k) { return corner_row(field.blocks[s.slot[i + k]].q.data() + s.corner[i + k]); };
+  transpose_rows(di, row, pair[0], pair[1], pair[2], pair[3]);
+  for (int k = 0; k < 4; ++k) {
+    v[2 * k] = hn::Mul(scale, hn::PromoteTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(pair[k]))));
+    v[2 * k + 1] = hn::Mul(scale, hn::PromoteTo(d, hn::ShiftRight<16>(pair[k])));
+  }
 }
 
 HWY_INLINE V mean(V a, V weight_a, V b, V weight_b) { return hn::Add(hn::Mul(a, weight_a), hn::Mul(b, weight_b)); }
@@ -161,9 +150,8 @@ HWY_INLINE V mean(V a, V weight_a, V b, V weight_b) { return hn::Add(hn::Mul(a, 
 void probe_chunk(const BatchView& field, const DistanceField::Points& points, double* value_m, double* clearance_m) {
   Scratch s;
   locate(field, points, s);
-  fetch_entries(field, points.size, s);
   promise(field, points.size, s);
-  fetch_corners(field, points.size, s);
+  find_slots(points.size, s);
   const D d;
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0), band = hn::Set(d, field.band_m),
           minus_band = hn::Set(d, -field.band_m);
@@ -175,13 +163,10 @@ void probe_chunk(const BatchView& field, const DistanceField::Points& points, do
     if (!hn::AllFalse(d, stored)) {
       const V fx = hn::LoadU(d, s.f[0] + i), fy = hn::LoadU(d, s.f[1] + i), fz = hn::LoadU(d, s.f[2] + i);
       const V ex = hn::Sub(one, fx), ey = hn::Sub(one, fy), ez = hn::Sub(one, fz);
-      V v0, v1, v2, v3, v4, v5, v6, v7;
-      corners(field, s, i, 0, v0, v1);
-      corners(field, s, i, 1, v2, v3);
-      corners(field, s, i, 2, v4, v5);
-      corners(field, s, i, 3, v6, v7);
-      const V y0 = mean(mean(v0, ex, v1, fx), ey, mean(v2, ex, v3, fx), fy);
-      const V y1 = mean(mean(v4, ex, v5, fx), ey, mean(v6, ex, v7, fx), fy);
+      V v[8];
+      corners(field, s, i, v);
+      const V y0 = mean(mean(v[0], ex, v[1], fx), ey, mean(v[2], ex, v[3], fx), fy);
+      const V y1 = mean(mean(v[4], ex, v[5], fx), ey, mean(v[6], ex, v[7], fx), fy);
       const V whole = mean(y0, ez, y1, fz);
       const V near = hn::Mul(hn::Sub(whole, face_slack), hn::LoadU(d, s.slope + i));
       const auto use_free = hn::And(hn::Gt(whole, zero), hn::Gt(free, near));
@@ -207,25 +192,25 @@ void probe_chunk(const BatchView& field, const DistanceField::Points& points, do
 void sample_chunk(const BatchView& field, const DistanceField::Points& points, const DistanceField::Samples& out) {
   Scratch s;
   locate(field, points, s);
-  fetch_entries(field, points.size, s);
-  fetch_corners(field, points.size, s);
+  for (std::size_t i = 0; i < points.size; ++i) {
+    s.flags[i] = static_cast<std::int32_t>(field.coarse[s.index[i]].slot_and_flags);
+  }
+  const bool some_stored = find_slots(points.size, s);
   const D d;
+  const I di;
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0), band = hn::Set(d, field.band_m);
   const V inverse = hn::Set(d, field.inverse_voxel);
   for (std::size_t i = 0; i < points.size; i += hn::Lanes(d)) {
     const V fx = hn::LoadU(d, s.f[0] + i), fy = hn::LoadU(d, s.f[1] + i), fz = hn::LoadU(d, s.f[2] + i);
     const V ex = hn::Sub(one, fx), ey = hn::Sub(one, fy), ez = hn::Sub(one, fz);
-    V v0, v1, v2, v3, v4, v5, v6, v7;
-    corners(field, s, i, 0, v0, v1);
-    corners(field, s, i, 1, v2, v3);
-    corners(field, s, i, 2, v4, v5);
-    corners(field, s, i, 3, v6, v7);
-    const V x00 = mean(v0, ex, v1, fx), x10 = mean(v2, ex, v3, fx);
-    const V x01 = mean(v4, ex, v5, fx), x11 = mean(v6, ex, v7, fx);
+    V v[8] = {zero, zero, zero, zero, zero, zero, zero, zero};
+    if (some_stored) corners(field, s, i, v);
+    const V x00 = mean(v[0], ex, v[1], fx), x10 = mean(v[2], ex, v[3], fx);
+    const V x01 = mean(v[4], ex, v[5], fx), x11 = mean(v[6], ex, v[7], fx);
     const V y0 = mean(x00, ey, x10, fy), y1 = mean(x01, ey, x11, fy);
     const V value = mean(y0, ez, y1, fz);
-    const V gx =
-        mean(mean(hn::Sub(v1, v0), ey, hn::Sub(v3, v2), fy), ez, mean(hn::Sub(v5, v4), ey, hn::Sub(v7, v6), fy), fz);
+    const V gx = mean(mean(hn::Sub(v[1], v[0]), ey, hn::Sub(v[3], v[2]), fy), ez,
+                      mean(hn::Sub(v[5], v[4]), ey, hn::Sub(v[7], v[6]), fy), fz);
     const V gy = mean(hn::Sub(x10, x00), ez, hn::Sub(x11, x01), fz);
     const auto inside = hn::Eq(hn::LoadU(d, s.out_square + i), zero);
     const V far = hn::IfThenElse(inside, far_sign(s, i), one);
@@ -235,15 +220,12 @@ void sample_chunk(const BatchView& field, const DistanceField::Points& points, c
     hn::StoreU(hn::IfThenElseZero(in_band, hn::Mul(inverse, gx)), d, out.gx + i);
     hn::StoreU(hn::IfThenElseZero(in_band, hn::Mul(inverse, gy)), d, out.gy + i);
     hn::StoreU(hn::IfThenElseZero(in_band, hn::Mul(inverse, hn::Sub(y1, y0))), d, out.gz + i);
-    std::uint8_t bits[8] = {}, within[8] = {};
-    hn::StoreMaskBits(d, in_band, bits);
-    hn::StoreMaskBits(d, inside, within);
-    for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
-      const int doubtful = s.flags[i + k] < 0 ? (within[0] >> k) & 1 : 0;
-      out.flags[i + k] = static_cast<std::uint8_t>(((bits[0] >> k) & 1) * DistanceField::kInBand +
-                                                   doubtful * DistanceField::kDoubtful);
-    }
+    const V known = hn::IfThenElseZero(in_band, hn::Set(d, static_cast<double>(DistanceField::kInBand)));
+    const V doubt = hn::IfThenElseZero(inside, hn::Set(d, static_cast<double>(DistanceField::kDoubtful)));
+    const auto negative = hn::BroadcastSignBit(hn::LoadU(di, s.flags + i));  // CoarseEntry::kDoubtful
+    hn::StoreU(hn::Or(hn::DemoteTo(di, known), hn::And(negative, hn::DemoteTo(di, doubt))), di, s.index + i);
   }
+  for (std::size_t i = 0; i < points.size; ++i) out.flags[i] = static_cast<std::uint8_t>(s.index[i]);
 }
 
 }  // namespace tact::HWY_NAMESPACE

@@ -3,6 +3,12 @@
 namespace tact::contact {
 
 ContactBuffer::ContactBuffer(std::size_t capacity)
-    : point_id(capacity), r(capacity), N(capacity), g(capacity), depth_m(capacity), weight(capacity), flags(capacity) {}
+    : point_id(capacity + kBeyond),
+      r(capacity + kBeyond),
+      N(capacity + kBeyond),
+      g(capacity + kBeyond),
+      depth_m(capacity + kBeyond),
+      weight(capacity + kBeyond),
+      flags(capacity + kBeyond) {}
 
 }  // namespace tact::contact

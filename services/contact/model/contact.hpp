@@ -26,6 +26,9 @@ enum class ForceDirection : std::uint8_t { normal, gradient };
 /// The points in contact at one pose, in O (the field body's frame), structure of arrays with fixed capacity.
 /// Filled by the traversal, weighed by a law, summed by assemble. r is the lever p - To expressed in O.
 struct ContactBuffer {
+  /// Whole vectors are written: arrays reach this far beyond the capacity.
+  static constexpr std::size_t kBeyond = 8;
+
   explicit ContactBuffer(std::size_t capacity);
 
   std::size_t size = 0;     ///< contacts in use
@@ -40,7 +43,7 @@ struct ContactBuffer {
 
   ForceDirection force_along = ForceDirection::gradient;  ///< set by whoever assembles; the traversal leaves it
 
-  std::size_t capacity() const { return point_id.size(); }
+  std::size_t capacity() const { return point_id.size() - kBeyond; }
 
   /// e of contact i: N or g. Where the field has no gradient (beyond its band) always N.
   const Vec3& force_direction(std::size_t i) const noexcept {

@@ -26,8 +26,24 @@ struct From {
   const double *r, *N, *g, *depth, *weight;
 };
 
+/// The sums, one behind the other; from kSome on of forces along N, which are few or none.
+enum : std::size_t {
+  kSs = 0,
+  kElastic = kSs + kUpper,
+  kLevers = kElastic + 6,
+  kB = kLevers + 9,
+  kSome = kB + kUpper,
+  kShLessSs = kSome,
+  kTurning = kShLessSs + 36,
+  kAll = kTurning + 6
+};
+
 struct Lanes {
-  V ss[kUpper], B[kUpper], elastic[6], levers[9], sh_less_ss[36], turning[6];
+  V sum[kAll];
+
+  HWY_INLINE void clear(std::size_t begin, std::size_t end) {
+    for (std::size_t n = begin; n < end; ++n) sum[n] = hn::Zero(D());
+  }
 };
 
 struct Factors {
@@ -49,6 +65,7 @@ HWY_INLINE void screw(const V* r, const V* e, V* out) {
 template <bool kDamped>
 HWY_INLINE void add(const From& from, const Factors& factors, Lanes& sums, ContactSums& out) {
   const D d;
+  V* HWY_RESTRICT sum = sums.sum;
   const V zero = hn::Zero(d);
   const V w = hn::LoadU(d, from.weight);
   const V spring = hn::Mul(hn::Set(d, factors.k), hn::LoadU(d, from.depth)), f = hn::Mul(spring, w);
@@ -61,6 +78,7 @@ HWY_INLINE void add(const From& from, const Factors& factors, Lanes& sums, Conta
   auto along_N = hn::And(hn::And(hn::Eq(g[0], zero), hn::Eq(g[1], zero)), hn::Eq(g[2], zero));
   if (factors.along_normal) along_N = hn::Eq(zero, zero);
   if (!hn::AllFalse(d, along_N)) {
+    if (!out.some_along_N) sums.clear(kSome, kAll);
     out.some_along_N = true;
     V N[3], other[6];
     hn::LoadInterleaved3(d, from.N, N[0], N[1], N[2]);
@@ -74,9 +92,11 @@ HWY_INLINE void add(const From& from, const Factors& factors, Lanes& sums, Conta
     for (int a = 0; a < 6; ++a) {
       const V ws = hn::Mul(w, s[a]);
       for (int b = 0; b < 6; ++b) {
-        sums.sh_less_ss[6 * a + b] = hn::MulAdd(ws, other[b], sums.sh_less_ss[6 * a + b]);
+        V& to = sum[kShLessSs + static_cast<std::size_t>(6 * a + b)];
+        to = hn::MulAdd(ws, other[b], to);
       }
-      sums.turning[a] = hn::MulAdd(hn::Sub(f, along_g), s[a], sums.turning[a]);
+      V& to = sum[kTurning + static_cast<std::size_t>(a)];
+      to = hn::MulAdd(hn::Sub(f, along_g), s[a], to);
     }
   }
 
@@ -90,18 +110,20 @@ HWY_INLINE void add(const From& from, const Factors& factors, Lanes& sums, Conta
     out.capped = out.capped || !hn::AllFalse(d, limited);
     wb = hn::Mul(w, hn::IfThenElse(limited, hn::Div(spring, speed), whole));
   }
-  int n = 0;
-  for (int a = 0; a < 6; ++a) {
+  std::size_t n = 0;
+  for (std::size_t a = 0; a < 6; ++a) {
     const V ws = hn::Mul(w, s[a]), wbs = hn::Mul(wb, s[a]);
-    for (int b = a; b < 6; ++b, ++n) {
-      sums.ss[n] = hn::MulAdd(ws, s[b], sums.ss[n]);
-      if constexpr (kDamped) sums.B[n] = hn::MulAdd(wbs, s[b], sums.B[n]);
+    for (std::size_t b = a; b < 6; ++b, ++n) {
+      sum[kSs + n] = hn::MulAdd(ws, s[b], sum[kSs + n]);
+      if constexpr (kDamped) sum[kB + n] = hn::MulAdd(wbs, s[b], sum[kB + n]);
     }
-    sums.elastic[a] = hn::MulAdd(f, s[a], sums.elastic[a]);
+    sum[kElastic + a] = hn::MulAdd(f, s[a], sum[kElastic + a]);
   }
-  for (int a = 0; a < 3; ++a) {
+  for (std::size_t a = 0; a < 3; ++a) {
     const V fr = hn::Mul(along_g, r[a]);
-    for (int b = 0; b < 3; ++b) sums.levers[3 * a + b] = hn::MulAdd(fr, s[b], sums.levers[3 * a + b]);
+    for (std::size_t b = 0; b < 3; ++b) {
+      sum[kLevers + 3 * a + b] = hn::MulAdd(fr, s[b], sum[kLevers + 3 * a + b]);
+    }
   }
 }
 
@@ -109,7 +131,7 @@ HWY_INLINE void add(const From& from, const Factors& factors, Lanes& sums, Conta
 struct Tail {
   double r[3 * kLanes], N[3 * kLanes], g[3 * kLanes], depth[kLanes], weight[kLanes];
 
-  Tail(const From& from, std::size_t count) {
+  From fill(const From& from, std::size_t count) {
     for (std::size_t i = 0; i < kLanes; ++i) {
       const std::size_t j = std::min(i, count - 1);
       std::copy_n(from.r + 3 * j, 3, r + 3 * i);
@@ -118,50 +140,53 @@ struct Tail {
       depth[i] = from.depth[j];
       weight[i] = i < count ? from.weight[j] : 0;
     }
+    return {r, N, g, depth, weight};
   }
-  From from() const { return {r, N, g, depth, weight}; }
 };
 
-HWY_INLINE double total(V v) { return hn::GetLane(hn::SumOfLanes(D(), v)); }
+/// Adds up the lanes. A loop of its own: unrolled it would be most of the code of a tick, read once a tick.
+HWY_NOINLINE void totals(const V* sums, std::size_t count, double* out) {
+  for (std::size_t n = 0; n < count; ++n) out[n] = hn::GetLane(hn::SumOfLanes(D(), sums[n]));
+}
 
-HWY_INLINE void put_symmetric(const V* upper, Mat6& out) {
-  int n = 0;
+HWY_INLINE void put_symmetric(const double* upper, Mat6& out) {
   for (int a = 0; a < 6; ++a) {
-    for (int b = a; b < 6; ++b, ++n) out(a, b) = out(b, a) = total(upper[n]);
+    for (int b = a; b < 6; ++b) out(a, b) = out(b, a) = *upper++;
   }
 }
 
 /// Row by row.
 template <class Matrix>
-HWY_INLINE void put(const V* sums, Matrix& out) {
+HWY_INLINE void put(const double* sums, Matrix& out) {
   for (int a = 0; a < out.rows(); ++a) {
-    for (int b = 0; b < out.cols(); ++b) out(a, b) = total(sums[a * out.cols() + b]);
+    for (int b = 0; b < out.cols(); ++b) out(a, b) = *sums++;
   }
 }
 
 template <bool kDamped>
 HWY_INLINE void sum_all(From from, std::size_t size, const Factors& factors, ContactSums& out) {
   Lanes sums;
-  std::memset(&sums, 0, sizeof(sums));
-  for (; size >= kLanes; size -= kLanes) {
-    add<kDamped>(from, factors, sums, out);
+  sums.clear(0, kDamped ? kSome : kB);
+  while (size > 0) {
+    const std::size_t count = std::min(size, kLanes);
+    Tail tail;
+    add<kDamped>(count == kLanes ? from : tail.fill(from, count), factors, sums, out);
     from = {from.r + 3 * kLanes, from.N + 3 * kLanes, from.g + 3 * kLanes, from.depth + kLanes, from.weight + kLanes};
+    size -= count;
   }
-  if (size > 0) {
-    const Tail tail(from, size);
-    add<kDamped>(tail.from(), factors, sums, out);
-  }
-  put_symmetric(sums.ss, out.ss);
+  double total[kAll];
+  totals(sums.sum, out.some_along_N ? kAll : kDamped ? kSome : kB, total);
+  put_symmetric(total + kSs, out.ss);
+  put(total + kElastic, out.elastic);
+  put(total + kLevers, out.levers);
   if constexpr (kDamped) {
-    put_symmetric(sums.B, out.B);
+    put_symmetric(total + kB, out.B);
   } else {
     out.B.setZero();
   }
-  put(sums.elastic, out.elastic);
-  put(sums.levers, out.levers);
   if (out.some_along_N) {
-    put(sums.sh_less_ss, out.sh_less_ss);
-    put(sums.turning, out.turning);
+    put(total + kShLessSs, out.sh_less_ss);
+    put(total + kTurning, out.turning);
   } else {
     out.sh_less_ss.setZero();
     out.turning.setZero();

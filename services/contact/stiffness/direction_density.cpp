@@ -17,7 +17,7 @@ constexpr int kReach = 2;  // a cell has side eps / sqrt 3: eps reaches into the
 }  // namespace
 
 DirectionDensity::DirectionDensity(std::span<const Vec3> direction_per_point, double epsilon)
-    : inverse_eps2_(1.0 / (epsilon * epsilon)), eps2_(epsilon * epsilon) {
+    : eps2_(epsilon * epsilon) {
   const DistinctDirections distinct = distinct_directions(direction_per_point);
   const double side = epsilon / std::sqrt(3.0);
   using Key = std::array<int, 3>;
@@ -40,45 +40,31 @@ DirectionDensity::DirectionDensity(std::span<const Vec3> direction_per_point, do
   }
   for (const std::uint32_t i : distinct.class_of) class_of_.push_back(number[i]);
   for (const auto& [key, index] : cell_at) {
-    neighbour_begin_.push_back(static_cast<std::uint32_t>(neighbours_.size()));
+    neighbours_.begin.push_back(static_cast<std::uint32_t>(neighbours_.cell.size()));
     for (int dx = -kReach; dx <= kReach; ++dx)
       for (int dy = -kReach; dy <= kReach; ++dy)
         for (int dz = -kReach; dz <= kReach; ++dz) {
           const auto other = cell_at.find({key[0] + dx, key[1] + dy, key[2] + dz});
-          if (other != cell_at.end() && other->second > index) neighbours_.push_back(other->second);
+          if (other != cell_at.end() && other->second > index) neighbours_.cell.push_back(other->second);
         }
   }
-  neighbour_begin_.push_back(static_cast<std::uint32_t>(neighbours_.size()));
+  neighbours_.begin.push_back(static_cast<std::uint32_t>(neighbours_.cell.size()));
   is_used_.resize((direction_.size() + 63) / 64);
   count_.resize(direction_.size());
   phi_.resize(direction_.size());
   used_cell_.resize(centre_.size());
-  classes_.resize(direction_.size());
+  used_class_.resize(direction_.size());
+  for (auto* array : {&used_.x, &used_.y, &used_.z, &used_.count, &used_.phi}) {
+    array->resize(direction_.size() + kDensityPad);
+  }
   cells_.resize(centre_.size());
 }
 
 void DirectionDensity::add(std::span<const std::uint32_t> ids, std::span<double> phi) noexcept {
   collect(ids);
   list_used();
-  for (std::uint32_t u = 0; u < cell_count_; ++u) {
-    const Cell& a = cells_[u];
-    add_moments(a, a);
-    for (std::uint32_t n = neighbour_begin_[a.index]; n < neighbour_begin_[a.index + 1]; ++n) {
-      const std::uint32_t other = used_cell_[neighbours_[n]];
-      if (other >= cell_count_ || cells_[other].index != neighbours_[n]) continue;
-      const Cell& b = cells_[other];
-      const Vec3 gap = (a.lo - b.hi).cwiseMax(b.lo - a.hi).cwiseMax(0.0);
-      if (gap.squaredNorm() >= eps2_) continue;
-      const Vec3 span = (a.hi - b.lo).cwiseMax(b.hi - a.lo);
-      if (span.squaredNorm() <= eps2_) {
-        add_moments(a, b);
-        add_moments(b, a);
-      } else {
-        add_pairs(a, b);
-      }
-    }
-  }
-  for (std::size_t k = 0; k < class_count_; ++k) phi_[classes_[k].index] = classes_[k].phi;
+  sum_density(cells_.data(), cell_count_, neighbours_, used_cell_.data(), eps2_, used_);
+  for (std::size_t k = 0; k < class_count_; ++k) phi_[used_class_[k]] = used_.phi[k];
   for (std::size_t i = 0; i < ids.size(); ++i) phi[i] += phi_[class_of_[ids[i]]];
 }
 
@@ -104,7 +90,7 @@ void DirectionDensity::list_used() noexcept {
         used_cell_[index] = static_cast<std::uint32_t>(cell_count_);
         cells_[cell_count_++] = {centre_[index], v, v, Vec3::Zero(), 0, 0, index, begin, begin};
       }
-      Cell& cell = cells_[cell_count_ - 1];
+      DensityCell& cell = cells_[cell_count_ - 1];
       const double count = std::exchange(count_[c], 0);
       const Vec3 b = v - cell.centre;
       cell.lo = cell.lo.cwiseMin(v);
@@ -113,31 +99,13 @@ void DirectionDensity::list_used() noexcept {
       cell.sum_b += count * b;
       cell.sum_b2 += count * b.squaredNorm();
       ++cell.end;
-      classes_[class_count_++] = {v, count, 0, c};
+      used_.x[class_count_] = v.x();
+      used_.y[class_count_] = v.y();
+      used_.z[class_count_] = v.z();
+      used_.count[class_count_] = count;
+      used_.phi[class_count_] = 0;
+      used_class_[class_count_++] = c;
     }
-  }
-}
-
-/// sum_j (1 - |a - b_j|^2 / eps^2) for every class a of `to`, over all b_j of `from`.
-void DirectionDensity::add_moments(const Cell& from, const Cell& to) noexcept {
-  for (std::uint32_t i = to.begin; i < to.end; ++i) {
-    const Vec3 a = classes_[i].v - from.centre;
-    const double sum_d2 = from.count * a.squaredNorm() - 2 * a.dot(from.sum_b) + from.sum_b2;
-    classes_[i].phi += from.count - sum_d2 * inverse_eps2_;
-  }
-}
-
-void DirectionDensity::add_pairs(const Cell& a, const Cell& b) noexcept {
-  for (std::uint32_t i = a.begin; i < a.end; ++i) {
-    Class& ci = classes_[i];
-    double phi = 0;
-    for (std::uint32_t j = b.begin; j < b.end; ++j) {
-      Class& cj = classes_[j];
-      const double hat = std::max(1.0 - (ci.v - cj.v).squaredNorm() * inverse_eps2_, 0.0);
-      phi += hat * cj.count;
-      cj.phi += hat * ci.count;
-    }
-    ci.phi += phi;
   }
 }
 

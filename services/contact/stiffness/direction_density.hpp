@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "math/pose.hpp"
+#include "contact/stiffness/density_kernel.hpp"
 
 namespace tact::contact {
 
@@ -26,37 +26,24 @@ class DirectionDensity {
   void add(std::span<const std::uint32_t> ids, std::span<double> phi) noexcept;
 
  private:
-  struct Class {  // in use
-    Vec3 v;
-    double count, phi;
-    std::uint32_t index;
-  };
-  struct Cell {                  // in use: its classes [begin, end) of used_class_
-    Vec3 centre, lo, hi, sum_b;  // b = v - centre
-    double count, sum_b2;
-    std::uint32_t index, begin, end;
-  };
-
   void collect(std::span<const std::uint32_t> ids) noexcept;
   void list_used() noexcept;
-  void add_moments(const Cell& from, const Cell& to) noexcept;
-  void add_pairs(const Cell& a, const Cell& b) noexcept;
 
-  double inverse_eps2_, eps2_;
+  double eps2_;
   // Of the shell. Cells in order of their place, classes in order of their cells.
-  std::vector<std::uint32_t> class_of_;         // point -> class
-  std::vector<Vec3> direction_;                 // class
-  std::vector<std::uint32_t> cell_of_;          // class -> cell
-  std::vector<Vec3> centre_;                    // cell
-  std::vector<std::uint32_t> neighbour_begin_;  // cell; one more
-  std::vector<std::uint32_t> neighbours_;       // cells of larger index that may lie within eps
+  std::vector<std::uint32_t> class_of_;  // point -> class
+  std::vector<Vec3> direction_;          // class
+  std::vector<std::uint32_t> cell_of_;   // class -> cell
+  std::vector<Vec3> centre_;             // cell
+  DensityNeighbours neighbours_;
   // Of one add().
   std::vector<std::uint64_t> is_used_;    // class, a bit each; all 0 in between
   std::vector<std::uint32_t> count_;      // class; all 0 in between
   std::vector<double> phi_;               // class, where used
   std::vector<std::uint32_t> used_cell_;  // cell -> index in cells_; of no meaning when that is another's
-  std::vector<Class> classes_;
-  std::vector<Cell> cells_;
+  DensityClasses used_;
+  std::vector<std::uint32_t> used_class_;  // of used_: which class
+  std::vector<DensityCell> cells_;
   std::size_t class_count_ = 0, cell_count_ = 0;
 };
 

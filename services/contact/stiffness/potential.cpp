@@ -31,7 +31,7 @@ std::vector<Vec3> Potential::directions(int count) {
 }
 
 Potential::Potential(const Pointshell& shell, const Params& params, std::size_t capacity)
-    : p_(params.p), work_(0, static_cast<std::size_t>(params.directions)) {
+    : p_(params.p), work_(0, 0, static_cast<std::size_t>(params.directions)) {
   std::vector<Vec3> normals(shell.size());
   for (std::size_t i = 0; i < normals.size(); ++i) normals[i] = shell.normal_T[i].cast<double>().normalized();
   DistinctDirections distinct = distinct_directions(normals);
@@ -39,7 +39,8 @@ Potential::Potential(const Pointshell& shell, const Params& params, std::size_t 
   classes_.reserve(distinct.direction.size());
   const std::vector<Vec3> u = directions(params.directions);
   for (const Vec3& n : distinct.direction) classes_.push_back(make_class(n, u, params));
-  work_ = PotentialWorkspace(std::min(capacity, classes_.size()), u.size());
+  const std::size_t contacts = std::min(capacity, shell.size());
+  work_ = PotentialWorkspace(contacts, std::min(contacts, classes_.size()), u.size());
 }
 
 Potential::Class Potential::make_class(const Vec3& n_T, const std::vector<Vec3>& u, const Params& params) {
@@ -61,53 +62,24 @@ Potential::Class Potential::make_class(const Vec3& n_T, const std::vector<Vec3>&
 void Potential::weigh(ContactBuffer& contacts) noexcept {
   ++tick_;
   work_.size = 0;
-  work_.symmetric = true;
-  double deepest = 0;
   for (std::size_t i = 0; i < contacts.size; ++i) {
-    __builtin_prefetch(&classes_[class_of_[contacts.point_id[i]]]);
-    deepest = std::max(deepest, contacts.depth_m[i]);
-    work_.symmetric = work_.symmetric && &contacts.force_direction(i) == &contacts.g[i];
+    const std::uint32_t c = class_of_[contacts.point_id[i]];
+    __builtin_prefetch(&classes_[c]);
+    work_.group_of[i] = c;
   }
-
-  const double inverse = deepest > 0 ? 1 / deepest : 0;
   for (std::size_t i = 0; i < contacts.size; ++i) {
-    Class& c = classes_[class_of_[contacts.point_id[i]]];
+    Class& c = classes_[work_.group_of[i]];
     if (c.tick != tick_) {
       c.tick = tick_;
       c.group = static_cast<std::uint32_t>(work_.size++);
-      PotentialGroup& fresh = work_.group[c.group];
-      fresh.support = c.support;
+      work_.group[c.group].support = c.support;
       __builtin_prefetch(supports_.direction.data() + c.support.begin);
       __builtin_prefetch(supports_.beta.data() + c.support.begin);
-      fresh.own = {};
-      if (!work_.symmetric) fresh.other = {};
     }
-    PotentialGroup& group = work_.group[c.group];
-    const double rho = c.gamma * inverse * contacts.depth_m[i];
-    const double bend = power(rho, p_ - 2), slope = bend * rho;
-    contacts.weight[i] = c.gamma * c.gamma * bend;  // times the group's sum, below
-    group.own.v[0] += slope * rho;
-    const double y = c.gamma * slope;
-    const Vec3& r = contacts.r[i];
-    const Vec3& e = contacts.force_direction(i);
-    const Vec3 rxe = r.cross(e);
-    for (int a = 0; a < 3; ++a) {
-      group.own.v[1 + a] += y * e[a];
-      group.own.v[4 + a] += y * rxe[a];
-    }
-    if (work_.symmetric) continue;
-    const Vec3& g = contacts.g[i];
-    const Vec3 rxg = r.cross(g);
-    for (int a = 0; a < 3; ++a) {
-      group.other.v[1 + a] += y * g[a];
-      group.other.v[4 + a] += y * rxg[a];
-    }
+    work_.group_of[i] = c.group;
+    work_.gamma[i] = c.gamma;
   }
-  run_potential(supports_, p_, work_);
-
-  for (std::size_t i = 0; i < contacts.size; ++i) {
-    contacts.weight[i] *= work_.sum[classes_[class_of_[contacts.point_id[i]]].group];
-  }
+  run_potential(supports_, p_, contacts, work_);
 }
 
 /// H_ij = (p-1) w_i [i=j] - (p-2) sum_u A_u^(2/p-2) y_iu y_ju, y_iu = beta_iu gamma_i rho_i^(p-1): the Hessian of E/k

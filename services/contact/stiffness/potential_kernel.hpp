@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "math/pose.hpp"
+#include "contact/model/contact.hpp"
 
 namespace tact::contact {
 
@@ -25,26 +25,32 @@ struct alignas(64) PotentialRow {
 
 /// Contacts of equal normal, summed: rho = gamma depth / largest depth, s = (e, r x e), sh = (g, r x g).
 struct PotentialGroup {
-  PotentialRow own;    ///< (sum rho^p, sum gamma rho^(p-1) s, 0)
-  PotentialRow other;  ///< (0, sum gamma rho^(p-1) sh, 0); not read when symmetric
+  PotentialRow own;   ///< (sum rho^p, sum gamma rho^(p-1) s, 0)
+  PotentialRow less;  ///< (0, sum gamma rho^(p-1) (s - sh), 0), if it `differs`
   PotentialSupport support;
+  bool differs;  ///< e is not g in some contact
 };
 
-/// Scratch and results of run_potential, for at most `capacity` groups.
+/// Scratch and results of run_potential, for at most `capacity` contacts of at most `groups` normals.
 struct PotentialWorkspace {
-  PotentialWorkspace(std::size_t capacity, std::size_t directions);
+  PotentialWorkspace(std::size_t capacity, std::size_t groups, std::size_t directions);
 
-  std::size_t size = 0;    ///< groups in use
-  bool symmetric = false;  ///< e = g in all contacts: sh = s
+  std::vector<std::uint32_t> group_of;  ///< per contact
+  std::vector<double> gamma;            ///< per contact
+  std::size_t size = 0;                 ///< groups in use
   std::vector<PotentialGroup> group;
-  std::vector<PotentialRow> own, other;  ///< scratch, per direction: (A, S, 0) and (0, Sh, 0)
-  std::vector<double> a, scale, slope;   ///< scratch, per direction, padded to whole vectors
-  std::vector<double> sum;               ///< result, per group: sum_u beta A_u^(2/p-1)
-  Mat6 ss, sh;  ///< result: sum_u A_u^(2/p-2) S_u (S_u, Sh_u)^T, (A_u, S_u), (0, Sh_u) = sum beta (own, other)
+  std::vector<PotentialRow> own, less;  ///< scratch, per direction: (A, S, 0) and (0, S - Sh, 0)
+  std::vector<double> slope;            ///< scratch, per direction: A^(2/p-1), 0 where A is
+  std::vector<std::uint32_t> active;    ///< scratch: directions with A > 0
+  std::vector<double> a, scale;         ///< scratch, of these, padded to whole vectors: A, A^(1/p-1)
+  std::vector<double> sum;              ///< scratch, per group: sum_u beta A_u^(2/p-1)
+  Mat6 ss, sh;                          ///< result: sum_u A_u^(2/p-2) S_u (S_u, Sh_u)^T, (A_u, S_u) = sum beta own
 };
 
-/// The sums over all groups and what follows from them. Directions with A_u = 0 add nothing. The widest SIMD the
+/// Writes the weights, and the sums over all groups. Directions with A_u = 0 add nothing. The widest SIMD the
 /// processor has is chosen at run time. Real-time: does not allocate, lock or throw.
-void run_potential(const PotentialSupports& supports, int p, PotentialWorkspace& work) noexcept;
+/// @pre group_of and gamma of the contacts, supports of the groups are set
+void run_potential(const PotentialSupports& supports, int p, ContactBuffer& contacts,
+                   PotentialWorkspace& work) noexcept;
 
 }  // namespace tact::contact

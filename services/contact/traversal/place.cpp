@@ -35,22 +35,19 @@ void place_nodes(const Mat3& R, const Vec3& t, const Node* nodes, std::size_t co
   }
 }
 
-void place_nodes_in_cells(const Mat3& A, const Vec3& b, double cells_per_m, const Node* nodes, std::size_t count,
-                          const PlacedInCells& out) {
-  const hn::CappedTag<float, 8> d;
-  const Eigen::Matrix3f m = A.cast<float>();
-  const Eigen::Vector3f t = b.cast<float>();
-  const auto scale = hn::Set(d, static_cast<float>(cells_per_m));
-  float* const to[3] = {out.x, out.y, out.z};
+void place_nodes_in_cells(const ToCells& to, const Node* nodes, std::size_t count, const PlacedInCells& out) {
+  const hn::CappedTag<float, kPlacedAtOnce> d;
+  const auto factor = hn::Set(d, to.factor), slack = hn::Set(d, to.slack);
+  float* const place[3] = {out.x, out.y, out.z};
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     hn::Vec<decltype(d)> x, y, z, radius;
     hn::LoadInterleaved4(d, &nodes[i].x, x, y, z, radius);
     for (int a = 0; a < 3; ++a) {
-      const auto xt = hn::MulAdd(hn::Set(d, m(a, 0)), x, hn::Set(d, t[a]));
-      const auto xyt = hn::MulAdd(hn::Set(d, m(a, 1)), y, xt);
-      hn::StoreU(hn::MulAdd(hn::Set(d, m(a, 2)), z, xyt), d, to[a] + i);
+      const auto xt = hn::MulAdd(hn::Set(d, to.A(a, 0)), x, hn::Set(d, to.b[a]));
+      const auto xyt = hn::MulAdd(hn::Set(d, to.A(a, 1)), y, xt);
+      hn::StoreU(hn::MulAdd(hn::Set(d, to.A(a, 2)), z, xyt), d, place[a] + i);
     }
-    hn::StoreU(hn::Mul(radius, scale), d, out.radius + i);
+    hn::StoreU(hn::MulAdd(radius, factor, slack), d, out.needed + i);
   }
 }
 
@@ -67,9 +64,8 @@ void place(const Mat3& R, const Vec3& t, const Node* nodes, std::size_t count, c
   HWY_DYNAMIC_DISPATCH(place_nodes)(R, t, nodes, count, out);
 }
 
-void place_in_cells(const Mat3& A, const Vec3& b, double cells_per_m, const Node* nodes, std::size_t count,
-                    const PlacedInCells& out) noexcept {
-  HWY_DYNAMIC_DISPATCH(place_nodes_in_cells)(A, b, cells_per_m, nodes, count, out);
+void place_in_cells(const ToCells& to, const Node* nodes, std::size_t count, const PlacedInCells& out) noexcept {
+  HWY_DYNAMIC_DISPATCH(place_nodes_in_cells)(to, nodes, count, out);
 }
 
 }  // namespace tact::contact

@@ -5,7 +5,7 @@
 
 namespace tact::contact {
 
-/// A point and the radius of its sphere, as a traversal reads them: a quarter of a cache line.
+/// A point and the radius of its sphere, as a traversal reads them: a quarter of a cache line. Also a normal.
 struct alignas(16) Node {
   float x, y, z, radius;  ///< T, m
 };
@@ -21,14 +21,23 @@ struct Placed {
 /// decides where a point of the shell is. Real-time. @pre `count` is a multiple of 8
 void place(const Mat3& R, const Vec3& t, const Node* nodes, std::size_t count, const Placed& out) noexcept;
 
-/// Points and radii as arrays, in cells of a field.
-struct PlacedInCells {
-  float *x, *y, *z, *radius;
+/// Points taken at once by place_in_cells().
+inline constexpr std::size_t kPlacedAtOnce = 16;
+
+/// From T to cells of a field, for culling: a place is A p + b, its sphere needs factor * radius + slack to be clear.
+struct ToCells {
+  Eigen::Matrix3f A;
+  Eigen::Vector3f b;
+  float factor, slack;
 };
 
-/// The same in single precision, good to 4.2e-7 (|A p| + |b|), |b| the largest component: to cull by. A takes metres of
-/// T to cells; radii are multiplied by `cells_per_m`. Real-time. @pre `count` is a multiple of 8
-void place_in_cells(const Mat3& A, const Vec3& b, double cells_per_m, const Node* nodes, std::size_t count,
-                    const PlacedInCells& out) noexcept;
+/// Arrays, in cells.
+struct PlacedInCells {
+  float *x, *y, *z, *needed;
+};
+
+/// In single precision, good to 4.2e-7 (|A p| + |b|), |b| the largest component. Real-time.
+/// @pre `count` is a multiple of kPlacedAtOnce
+void place_in_cells(const ToCells& to, const Node* nodes, std::size_t count, const PlacedInCells& out) noexcept;
 
 }  // namespace tact::contact

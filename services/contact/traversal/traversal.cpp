@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "field/field_clearance.hpp"
-
 namespace tact::contact {
 namespace {
 
@@ -15,39 +13,21 @@ constexpr double kRadiusSlack = 1 + 2e-6;
 constexpr double kPlacing = 1e-6;
 /// A tool farther than this, in cells, touches nothing, and single precision could not tell how far it is.
 constexpr double kFarOff = 1e8;
-/// Nodes probed at once: enough to hide the latency of memory.
-constexpr std::size_t kChunk = 64;
-/// Children queued at once; what is written too much is overwritten by the next.
-constexpr std::uint32_t kAppend = 8;
 
-/// A chunk of nodes, made whole vectors: behind the last one itself again.
-struct Chunk {
-  alignas(64) Node node[kChunk];
-  std::size_t padded = 0;
-
-  void pad(std::size_t count) noexcept {
-    for (padded = count; padded % 8 != 0; ++padded) node[padded] = node[padded - 1];
-  }
-};
-
-/// A chunk of points, placed.
-struct Points {
-  double x[kChunk], y[kChunk], z[kChunk];
-
-  void place(const Mat3& R, const Chunk& chunk) noexcept {
-    tact::contact::place(R, Vec3::Zero(), chunk.node, chunk.padded, {x, y, z});
-  }
-  void move(const Vec3& by, std::size_t count) noexcept {
-    for (std::size_t k = 0; k < count; ++k) x[k] += by.x(), y[k] += by.y(), z[k] += by.z();
-  }
-};
+std::size_t whole_vectors(std::size_t count, std::size_t lanes) { return (count + lanes - 1) / lanes * lanes; }
 
 }  // namespace
 
 bool is_rigid(const Pose& X) noexcept { return X.finite() && std::fabs(X.q.norm() - 1) < 1e-3; }
 
 Traversal::Traversal(DistanceField field, std::shared_ptr<const Pointshell> shell)
-    : field_(std::move(field)), shell_(std::move(shell)), candidates_(shell_->size() + 1) {
+    : field_(std::move(field)),
+      field_in_cells_(field_),
+      shell_(std::move(shell)),
+      level_(shell_->size()),
+      next_level_(shell_->size()),
+      candidates_(shell_->size()),
+      deepest_(shell_->size() + 1) {
   std::uint32_t last_top = 0;  // first node of the last level that is taken at once with those above
   for (const std::uint32_t end : shell_->level_begin) {
     if (top_size_ > 0 && end > kChunk) break;
@@ -55,28 +35,17 @@ Traversal::Traversal(DistanceField field, std::shared_ptr<const Pointshell> shel
     top_size_ = end;
   }
   std::uint32_t leaves = 0;  // nothing from here on has children
-  nodes_.reserve(shell_->size() + kAppend);
   for (std::uint32_t i = 0; i < shell_->size(); ++i) {
-    const Eigen::Vector3f& p = shell_->position_T[i];
-    nodes_.push_back({p.x(), p.y(), p.z(), shell_->radius_m[i]});
+    const Eigen::Vector3f &p = shell_->position_T[i], &n = shell_->normal_T[i];
+    all_.nodes.push_back({p.x(), p.y(), p.z(), shell_->radius_m[i]});
+    normals_.push_back({n.x(), n.y(), n.z(), 0});
     farthest_m_ = std::max(farthest_m_, p.cast<double>().norm());
     if (i >= last_top && shell_->child_begin[i] < shell_->child_end[i]) leaves = i + 1;
   }
+  all_.nodes.resize(shell_->size() + kBeyond);
   for (std::uint32_t i = 0; i < leaves; ++i) {
     const std::uint32_t begin = shell_->child_begin[i], end = shell_->child_end[i];
-    families_.push_back({begin, i >= last_top && begin < end ? end - begin : 0});
-  }
-  nodes_.resize(shell_->size() + kAppend);  // prefetched
-  level_.id.resize(shell_->size() + kAppend);
-  next_level_.id.resize(shell_->size() + kAppend);
-}
-
-void Traversal::append(Family family, Queue& to) const noexcept {
-  std::uint32_t* out = to.id.data() + to.size;
-  to.size += family.count;
-  for (std::uint32_t k = 0; k < family.count; k += kAppend) {  // once, but for large families
-    for (std::uint32_t j = 0; j < kAppend; ++j) out[k + j] = family.begin + k + j;
-    for (std::uint32_t j = 0; j < kAppend; j += 4) __builtin_prefetch(nodes_.data() + family.begin + k + j);
+    all_.families.push_back({begin, i >= last_top && begin < end ? end - begin : 0});
   }
 }
 
@@ -104,7 +73,7 @@ Findings Traversal::find(const Pose& X_OT, ContactBuffer& contacts) noexcept {
     const float clearance = search(frame, true, found);
     fill(frame, contacts, found);
     if (contacts.size == 0) {
-      found.clearance_m = std::max(0.0, field_.voxel_m() * static_cast<double>(clearance - frame.slack));
+      found.clearance_m = std::max(0.0, field_.voxel_m() * static_cast<double>(clearance - frame.to_cells.slack));
     }
   }
   touched_ = contacts.size > 0;
@@ -116,9 +85,11 @@ Traversal::Frame Traversal::frame_of(const Pose& X_OT) const noexcept {
   const double cells_per_m = 1 / field_.voxel_m();
   frame.R_OT = X_OT.q.normalized().toRotationMatrix();
   frame.p_OT = X_OT.p;
-  frame.A = cells_per_m * frame.R_OT;
   frame.b = cells_per_m * (X_OT.p - field_.min_O());
-  frame.slack =
+  frame.to_cells.A = (cells_per_m * frame.R_OT).cast<float>();
+  frame.to_cells.b = frame.b.cast<float>();
+  frame.to_cells.factor = static_cast<float>(kRadiusSlack * cells_per_m);
+  frame.to_cells.slack =
       kClearanceSlack + static_cast<float>(kPlacing * (cells_per_m * farthest_m_ + frame.b.cwiseAbs().maxCoeff()));
   return frame;
 }
@@ -126,144 +97,108 @@ Traversal::Frame Traversal::frame_of(const Pose& X_OT) const noexcept {
 /// Fills candidates_. Returns the clearance in cells, 0 when not wanted.
 float Traversal::search(const Frame& frame, bool want_clearance, Findings& found) noexcept {
   float clearance = want_clearance ? std::numeric_limits<float>::infinity() : 0;
-  candidate_count_ = 0;
+  candidates_.size = 0;
   level_.size = 0;
-  append({0, top_size_}, level_);
+  append({0, top_size_}, all_, level_);
   while (level_.size > 0) {
     next_level_.size = 0;
     found.nodes_visited += level_.size;
     for (std::size_t begin = 0; begin < level_.size; begin += kChunk) {
-      const std::size_t count = std::min(kChunk, level_.size - begin);
-      visit({level_.id.data() + begin, count}, frame, next_level_, clearance);
+      visit(begin, std::min(kChunk, level_.size - begin), frame.to_cells, clearance);
     }
     std::swap(level_, next_level_);
   }
   return clearance;
 }
 
-void Traversal::visit(std::span<const std::uint32_t> ids, const Frame& frame, Queue& next, float& clearance) noexcept {
-  Chunk chunk;
-  alignas(64) float x[kChunk], y[kChunk], z[kChunk], radius[kChunk], enough[kChunk], clear[kChunk];
-  const std::size_t count = ids.size();
-  const Node* nodes = nodes_.data();
-  for (std::size_t i = 0; i < count; ++i) chunk.node[i] = nodes[ids[i]];
-  chunk.pad(count);
-  place_in_cells(frame.A, frame.b, kRadiusSlack / field_.voxel_m(), chunk.node, chunk.padded, {x, y, z, radius});
-
+void Traversal::visit(std::size_t begin, std::size_t count, const ToCells& to_cells, float& clearance) noexcept {
+  static_assert(kPlacedAtOnce == kPlacesAtOnce && kBeyond >= kPlacesAtOnce);
+  alignas(64) float x[kChunk], y[kChunk], z[kChunk], needed[kChunk], enough[kChunk], clear[kChunk];
   // While the clearance may still exceed half a voxel (below that nobody needs it), go a little deeper than contacts
   // demand: a skipped subtree then tells its clearance within a factor of two, a point within that of the field.
   const bool search_clearance = clearance > 0.5f;
-  const float factor = search_clearance ? 2 : 1;
-  const float more = search_clearance ? static_cast<float>(field_.band_m() / field_.voxel_m()) : 0;
-  for (std::size_t i = 0; i < chunk.padded; ++i) {
-    radius[i] = factor * radius[i] + frame.slack;  // what it takes to skip
-    enough[i] = radius[i] + more;
+  ToCells to = to_cells;
+  if (search_clearance) to.factor *= 2;
+  const std::size_t whole =
+      whole_vectors(count, kPlacesAtOnce);  // behind the last one are nodes that were there before
+  place_in_cells(to, level_.node.data() + begin, whole, {x, y, z, needed});
+  if (search_clearance) {
+    const float more = field_in_cells_.band;
+    for (std::size_t i = 0; i < whole; ++i) enough[i] = needed[i] + more;
   }
-  clearances(field_, {x, y, z, chunk.padded}, enough, clear);
+  clearances(field_in_cells_, {x, y, z, whole}, search_clearance ? enough : needed, clear);
 
-  // Without branches that depend on where nodes lie.
-  Candidate* last = candidates_.data() + candidate_count_;
-  for (std::size_t i = 0; i < count; ++i) {
-    last->id = ids[i];
-    last += clear[i] > frame.slack ? 0 : 1;
-  }
-  for (const Candidate* c = candidates_.data() + candidate_count_; c < last; ++c) {
-    __builtin_prefetch(&shell_->normal_T[c->id]);
-  }
-  candidate_count_ = static_cast<std::size_t>(last - candidates_.data());
+  const Cleared nodes{level_.id.data() + begin, clear, needed, count};
+  const std::size_t known = candidates_.size;
+  part(nodes, to.slack, candidates_);
+  for (std::size_t k = known; k < candidates_.size; ++k) __builtin_prefetch(&normals_[candidates_.id[k]]);
   if (clearance > 0) {
+    const float share = search_clearance ? 0.5f : 1.0f;
     for (std::size_t i = 0; i < count; ++i) {
-      const float free = clear[i] > radius[i] ? clear[i] - radius[i] / factor : clear[i];
+      const float free = clear[i] > needed[i] ? clear[i] - needed[i] * share : clear[i];
       clearance = free < clearance ? free : clearance;
     }
   }
-  if (ids.front() >= families_.size()) return;  // leaves
-  std::uint32_t open[kChunk];                   // nodes to go deeper at
-  std::size_t open_count = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    open[open_count] = ids[i];
-    open_count += clear[i] > radius[i] ? 0 : 1;
+  if (nodes.id[0] < all_.families.size()) descend(nodes, all_, next_level_);
+}
+
+void Traversal::place_and_sample(const Frame& frame, std::size_t begin, std::size_t count,
+                                 Sampled& out) const noexcept {
+  alignas(64) Node point[kChunk], normal[kChunk];
+  alignas(64) double p[3][kChunk];
+  const std::size_t whole = whole_vectors(count, 8);
+  for (std::size_t k = 0; k < whole; ++k) {
+    const std::uint32_t id = candidates_.id[begin + std::min(k, count - 1)];
+    out.id[k] = id;
+    point[k] = all_.nodes[id];
+    normal[k] = normals_[id];
   }
-  for (std::size_t k = 0; k < open_count; ++k) {
-    if (open[k] < families_.size()) append(families_[open[k]], next);
-  }
+  const auto all = [](double(&v)[3][kChunk]) { return Placed{v[0], v[1], v[2]}; };
+  place(frame.R_OT, frame.p_OT, point, whole, all(p));
+  place(frame.R_OT, Vec3::Zero(), point, whole, all(out.r));
+  place(frame.R_OT, Vec3::Zero(), normal, whole, all(out.N));
+  field_.sample({p[0], p[1], p[2], whole}, {out.value, out.g[0], out.g[1], out.g[2], out.in_field});
 }
 
 /// Leaves the candidates in contact, and of these no more than the buffer holds.
 void Traversal::keep_deepest(const Frame& frame, ContactBuffer& contacts, Findings& found) noexcept {
   std::size_t touching = 0;
-  for (std::size_t begin = 0; begin < candidate_count_; begin += kChunk) {
-    const std::size_t count = std::min(kChunk, candidate_count_ - begin);
-    Chunk chunk;
-    Points p;
-    double value[kChunk], gx[kChunk], gy[kChunk], gz[kChunk];
-    std::uint8_t in_field[kChunk];
-    for (std::size_t k = 0; k < count; ++k) chunk.node[k] = nodes_[candidates_[begin + k].id];
-    chunk.pad(count);
-    p.place(frame.R_OT, chunk);
-    p.move(frame.p_OT, chunk.padded);
-    field_.sample({p.x, p.y, p.z, chunk.padded}, {value, gx, gy, gz, in_field});
+  Sampled sampled;
+  for (std::size_t begin = 0; begin < candidates_.size; begin += kChunk) {
+    const std::size_t count = std::min(kChunk, candidates_.size - begin);
+    place_and_sample(frame, begin, count, sampled);
     for (std::size_t k = 0; k < count; ++k) {
-      const Candidate candidate{-value[k], candidates_[begin + k].id};
-      candidates_[touching] = candidate;
-      touching += value[k] < 0 ? 1 : 0;
-      found.max_depth_m = std::max(found.max_depth_m, candidate.depth_m);
+      deepest_[touching] = {-sampled.value[k], sampled.id[k]};
+      touching += sampled.value[k] < 0 ? 1 : 0;
+      found.max_depth_m = std::max(found.max_depth_m, -sampled.value[k]);
     }
   }
-  candidate_count_ = std::min(touching, contacts.capacity());
-  if (touching <= contacts.capacity()) return;
-  contacts.dropped = touching - contacts.capacity();
-  found.status |= bit(Status::overflow);
-  const auto begin = candidates_.begin();
-  const auto kept = begin + static_cast<std::ptrdiff_t>(contacts.capacity());
-  std::nth_element(begin, kept, begin + static_cast<std::ptrdiff_t>(touching),
-                   [](const Candidate& a, const Candidate& b) {
-                     return a.depth_m != b.depth_m ? a.depth_m > b.depth_m : a.id < b.id;
-                   });
-  std::sort(begin, kept, [](const Candidate& a, const Candidate& b) { return a.id < b.id; });
+  const auto begin = deepest_.begin(), end = begin + static_cast<std::ptrdiff_t>(touching);
+  auto kept = end;
+  if (touching > contacts.capacity()) {
+    contacts.dropped = touching - contacts.capacity();
+    found.status |= bit(Status::overflow);
+    kept = begin + static_cast<std::ptrdiff_t>(contacts.capacity());
+    std::nth_element(begin, kept, end, [](const Deep& a, const Deep& b) {
+      return a.depth_m != b.depth_m ? a.depth_m > b.depth_m : a.id < b.id;
+    });
+    std::sort(begin, kept, [](const Deep& a, const Deep& b) { return a.id < b.id; });
+  }
+  candidates_.size = 0;
+  for (auto it = begin; it != kept; ++it) candidates_.id[candidates_.size++] = it->id;
 }
 
 void Traversal::fill(const Frame& frame, ContactBuffer& contacts, Findings& found) noexcept {
-  if (candidate_count_ > contacts.capacity()) keep_deepest(frame, contacts, found);
-  std::size_t n = 0;
-  for (std::size_t begin = 0; begin < candidate_count_; begin += kChunk) {
-    const std::size_t count = std::min(kChunk, candidate_count_ - begin);
-    Chunk chunk, normal;
-    Points r, N, p;
-    double value[kChunk], gx[kChunk], gy[kChunk], gz[kChunk];
-    std::uint8_t in_field[kChunk];
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::uint32_t i = candidates_[begin + k].id;
-      const Eigen::Vector3f& n_T = shell_->normal_T[i];
-      chunk.node[k] = nodes_[i];
-      normal.node[k] = {n_T.x(), n_T.y(), n_T.z(), 0};
-    }
-    chunk.pad(count);
-    normal.pad(count);
-    r.place(frame.R_OT, chunk);
-    N.place(frame.R_OT, normal);
-    p = r;
-    p.move(frame.p_OT, chunk.padded);
-    field_.sample({p.x, p.y, p.z, chunk.padded}, {value, gx, gy, gz, in_field});
-    for (std::size_t k = 0; k < count; ++k) {
-      if (!(value[k] < 0)) continue;
-      const Vec3 g(gx[k], gy[k], gz[k]), N_k(N.x[k], N.y[k], N.z[k]);
-      std::uint32_t flags = 0;
-      if ((in_field[k] & DistanceField::kInBand) == 0) flags |= bit(Status::beyond_band);
-      if ((in_field[k] & DistanceField::kDoubtful) != 0) flags |= bit(Status::sign_doubtful);
-      if (g.dot(N_k) < -0.5 * g.norm()) flags |= bit(Status::past_mid_surface);
-      contacts.point_id[n] = candidates_[begin + k].id;
-      contacts.r[n] = {r.x[k], r.y[k], r.z[k]};
-      contacts.N[n] = N_k;
-      contacts.g[n] = g;
-      contacts.depth_m[n] = -value[k];
-      contacts.flags[n] = flags;
-      found.max_depth_m = std::max(found.max_depth_m, -value[k]);
-      found.status |= flags;
-      ++n;
-    }
+  if (candidates_.size > contacts.capacity()) keep_deepest(frame, contacts, found);
+  contacts.size = 0;
+  Sampled sampled;
+  for (std::size_t begin = 0; begin < candidates_.size; begin += kChunk) {
+    const std::size_t count = std::min(kChunk, candidates_.size - begin);
+    place_and_sample(frame, begin, count, sampled);
+    const Emitted emitted = emit(sampled, count, contacts);
+    found.max_depth_m = std::max(found.max_depth_m, emitted.deepest_m);
+    found.status |= emitted.flags;
   }
-  contacts.size = n;
 }
 
 }  // namespace tact::contact

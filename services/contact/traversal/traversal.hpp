@@ -6,8 +6,10 @@
 
 #include "contact/model/contact.hpp"
 #include "contact/model/pointshell.hpp"
+#include "contact/traversal/frontier.hpp"
 #include "contact/traversal/place.hpp"
 #include "field/distance_field.hpp"
+#include "field/field_clearance.hpp"
 
 namespace tact::contact {
 
@@ -29,8 +31,8 @@ bool is_rigid(const Pose& X) noexcept;
 /// allowed for); what is left is sampled in double. So the contacts are exactly those of brute force over all points: {
 /// i : sample(X_OT p_i).value_m < 0 }, points placed by place(), in ascending order of id.
 ///
-/// All scratch is allocated here (48 bytes a point); find() does not allocate, lock or throw. Cost: one block look-up
-/// for each node visited, a few ns: nodes of a level are taken many at a time (README).
+/// All scratch is allocated here (some 100 bytes a point); find() does not allocate, lock or throw. Cost: one block
+/// look-up for each node visited, a few ns: nodes of a level are taken many at a time (README).
 class Traversal {
  public:
   /// @pre field not empty
@@ -47,7 +49,7 @@ class Traversal {
   const Pointshell& shell() const { return *shell_; }
 
  private:
-  struct Candidate {
+  struct Deep {
     double depth_m;
     std::uint32_t id;
   };
@@ -55,34 +57,25 @@ class Traversal {
   struct Frame {
     Mat3 R_OT;
     Vec3 p_OT;
-    Mat3 A;       ///< R_OT / h
-    Vec3 b;       ///< (p_OT - min_O) / h
-    float slack;  ///< cells: of clearances, and of what rounding displaces
-  };
-  /// Children side by side. Nodes that are taken together with their children have none.
-  struct Family {
-    std::uint32_t begin, count;
-  };
-  /// Nodes of a level that are to be visited, ascending.
-  struct Queue {
-    std::size_t size = 0;
-    std::vector<std::uint32_t> id;
+    Vec3 b;            ///< (p_OT - min_O) / h
+    ToCells to_cells;  ///< its slack: of clearances, and of what rounding displaces
   };
 
   Frame frame_of(const Pose& X_OT) const noexcept;
   float search(const Frame& frame, bool want_clearance, Findings& found) noexcept;
-  void append(Family family, Queue& to) const noexcept;
-  void visit(std::span<const std::uint32_t> ids, const Frame& frame, Queue& next, float& clearance) noexcept;
+  void visit(std::size_t begin, std::size_t count, const ToCells& to_cells, float& clearance) noexcept;
+  void place_and_sample(const Frame& frame, std::size_t begin, std::size_t count, Sampled& out) const noexcept;
   void keep_deepest(const Frame& frame, ContactBuffer& contacts, Findings& found) noexcept;
   void fill(const Frame& frame, ContactBuffer& contacts, Findings& found) noexcept;
 
   DistanceField field_;
+  ClearanceView field_in_cells_;
   std::shared_ptr<const Pointshell> shell_;
-  std::vector<Node> nodes_;
-  std::vector<Family> families_;  ///< of the nodes before the leaves
-  Queue level_, next_level_;
-  std::vector<Candidate> candidates_;  ///< points that may be in contact
-  std::size_t candidate_count_ = 0;
+  Hierarchy all_;
+  std::vector<Node> normals_;
+  Frontier level_, next_level_;
+  Candidates candidates_;
+  std::vector<Deep> deepest_;   ///< scratch of keep_deepest
   std::uint32_t top_size_ = 0;  ///< nodes of the top levels, taken at once whatever they promise
   double farthest_m_ = 0;       ///< a node from To
   bool touched_ = false;        ///< the last find() had contacts

@@ -195,25 +195,27 @@ TEST(DistanceField, FarFromAPlaneTheLowerBoundLosesLittle) {
 /// clearances() promises no more than probe(), and no less but where less is enough.
 void expect_single_precision_agrees(const DistanceField& field, const Vec3& p, double clearance_m, double enough_m) {
   const double h = field.voxel_m();
-  float u[3][8], enough[8], all[8], clear[8], clear_all[8];
-  for (std::size_t k = 0; k < 8; ++k) {
+  constexpr std::size_t kCount = kPlacesAtOnce, kLast = kCount - 1;
+  float u[3][kCount], enough[kCount], all[kCount], clear[kCount], clear_all[kCount];
+  for (std::size_t k = 0; k < kCount; ++k) {
     for (int i = 0; i < 3; ++i) u[i][k] = static_cast<float>((p[i] - field.min_O()[i]) / h);
     enough[k] = static_cast<float>(enough_m / h);
     all[k] = std::numeric_limits<float>::infinity();
   }
-  clearances(field, {u[0], u[1], u[2], 8}, enough, clear);
-  clearances(field, {u[0], u[1], u[2], 8}, all, clear_all);
+  const ClearanceView view(field);
+  clearances(view, {u[0], u[1], u[2], kCount}, enough, clear);
+  clearances(view, {u[0], u[1], u[2], kCount}, all, clear_all);
   // The place is rounded too; where the promise jumps, at a block's border, it may belong to the neighbour.
-  const Vec3 rounded = field.min_O() + h * Vec3(static_cast<double>(u[0][7]), static_cast<double>(u[1][7]),
-                                                static_cast<double>(u[2][7]));
+  const Vec3 rounded = field.min_O() + h * Vec3(static_cast<double>(u[0][kLast]), static_cast<double>(u[1][kLast]),
+                                                static_cast<double>(u[2][kLast]));
   const double expected = std::max(clearance_m, field.probe(rounded).clearance_m) / h;
-  EXPECT_LE(static_cast<double>(clear_all[7] - kClearanceSlack), expected + 1e-6 * expected);
-  EXPECT_LE(clear[7], clear_all[7]);
-  if (clear[7] < clear_all[7]) {
-    EXPECT_GT(clear[7], enough[7]);
+  EXPECT_LE(static_cast<double>(clear_all[kLast] - kClearanceSlack), expected + 1e-6 * expected);
+  EXPECT_LE(clear[kLast], clear_all[kLast]);
+  if (clear[kLast] < clear_all[kLast]) {
+    EXPECT_GT(clear[kLast], enough[kLast]);
   }
   if (std::fabs(clearance_m - field.probe(rounded).clearance_m) < 1e-4 * h) {
-    EXPECT_GE(static_cast<double>(clear_all[7] + kClearanceSlack), expected - 1e-5 * std::fabs(expected) - 1e-4);
+    EXPECT_GE(static_cast<double>(clear_all[kLast] + kClearanceSlack), expected - 1e-5 * std::fabs(expected) - 1e-4);
   }
 }
 
