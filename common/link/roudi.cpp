@@ -63,7 +63,9 @@ bool eventually(const auto& condition, milliseconds limit) {
   return true;
 }
 
-/// Of join_roudi(): a service joins once, on the thread that makes its participant.
+/// Of join_roudi(): a service joins once, on the thread that makes its participant. Who holds a lease has joined
+/// already.
+int leases = 0;
 int joined_file = -1;
 pid_t joined_parent = 0;
 
@@ -135,9 +137,11 @@ RoudiLease::RoudiLease(const fs::path& roudi_toml) : toml_(roudi_toml) {
     throw;
   }
   ::flock(users_file_, LOCK_SH);
+  ++leases;
 }
 
 RoudiLease::~RoudiLease() {
+  --leases;
   try {
     const Transition transition;
     const bool last = ::flock(users_file_, LOCK_EX | LOCK_NB) == 0;
@@ -242,7 +246,7 @@ void RoudiLease::start() {
 }
 
 void join_roudi() {
-  if (joined_file >= 0) return;
+  if (joined_file >= 0 || leases > 0) return;
   joined_file = open_shared_file(kUsers);
   ::flock(joined_file, LOCK_SH);
   joined_parent = ::getppid();

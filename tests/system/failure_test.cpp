@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "fault/fault.hpp"
 #include "support/flight_file.hpp"
@@ -259,6 +260,28 @@ TEST(TwoSessions, DoNotHearEachOtherAndOneEndingLeavesTheOtherAlone) {
   EXPECT_EQ(pids_of("iox-roudi").size(), 1u);
   EXPECT_EQ(first.run.stop(), 0);
   EXPECT_TRUE(pids_of("iox-roudi").empty());
+}
+
+TEST(TwoSessions, TheOneThatStartedRouDiIsKilledAndTheOtherGoesOnWithItAndStopsIt) {
+  auto first = std::make_unique<Pressing>();
+  ASSERT_TRUE(first->settled()) << first->run.output();
+  const pid_t roudi = own_roudi(first->run);
+  ASSERT_GT(roudi, 0) << "another session is running";
+  Pressing second;
+  ASSERT_TRUE(second.settled()) << second.run.output();
+  const pid_t contact = second.pid("contact"), coupling = second.pid("coupling");
+  kill(first->run.process().pid(), SIGKILL);
+  EXPECT_TRUE(eventually([] { return pids_of("tact-contact").size() == 1 && pids_of("tact-coupling").size() == 1; }));
+  const auto stale = second.observer.stats().wrench_stale;
+  const auto tick = second.observer.device().tick;
+  EXPECT_TRUE(eventually([&] { return second.observer.device().tick > tick + 2000; }));
+  EXPECT_LT(second.observer.stats().wrench_stale, stale + 100);
+  EXPECT_EQ(second.pid("contact"), contact);
+  EXPECT_EQ(second.pid("coupling"), coupling);
+  EXPECT_EQ(pids_of("iox-roudi"), std::vector<pid_t>{roudi});
+  EXPECT_EQ(second.run.stop(), 0) << second.run.output();
+  EXPECT_TRUE(pids_of("iox-roudi").empty());
+  EXPECT_TRUE(shared_memory_files().empty()) << ::testing::PrintToString(shared_memory_files());
 }
 
 TEST(StartAndStop, TwentyTimesLeavesNoProcessAndNoSharedMemory) {
