@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <thread>
 
 #include "fault/fault.hpp"
 #include "support/flight_file.hpp"
@@ -174,6 +175,53 @@ TEST(ContactServerStopped, ForThreeSecondsCalmsTheArmAndTheGridDoesNotSlip) {
   EXPECT_TRUE(session.run.reported("wrench_stale")) << report.dump(2);
   // Grid points are lost to a busy machine, not to a stopped server: it was stopped for more than 3000 ticks.
   EXPECT_LT(report["missed_ticks"].get<double>(), 0.05 * report["ticks"].get<double>()) << report.dump(2);
+}
+
+/// Stopped and continued without end: replies come in bursts, most of them late.
+class ContactServerSlow : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(ContactServerSlow, IsBridgedOrFadedNeverBeyondTheGateAndTheArmComesBackByItself) {
+  const ScratchDir dir;
+  const auto record = dir.path() / "slow.tick";
+  Pressing session({"--mode", GetParam(), "--record", record});
+  ASSERT_TRUE(session.settled()) << session.run.output();
+  const pid_t victim = session.pid("contact");
+  for (int i = 0; i < 40; ++i) {
+    kill(victim, SIGSTOP);
+    std::this_thread::sleep_for(std::chrono::milliseconds{3 + 2 * (i % 10)});
+    kill(victim, SIGCONT);
+    std::this_thread::sleep_for(std::chrono::milliseconds{5});
+  }
+  EXPECT_TRUE(
+      eventually([&] { return session.observer.active() && session.observer.in_steady_contact(); }, seconds{60}))
+      << session.run.output();
+  EXPECT_EQ(session.pid("contact"), victim) << "slow is not dead: " << session.run.output();
+  EXPECT_EQ(session.run.stop(), 0) << session.run.output();
+  EXPECT_TRUE(session.run.reported("wrench_late")) << session.run.report().dump(2);
+  expect_gate_and_staleness(read_flight(record), GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, ContactServerSlow, ::testing::Values("impedance", "pseudo-admittance"),
+                         [](const auto& param) { return param.index == 0 ? "impedance" : "pseudo_admittance"; });
+
+TEST(SupervisorAndRouDiStopped, DoNotDisturbTheHandAndTheSessionGoesOnWithThem) {
+  Pressing session;
+  ASSERT_TRUE(session.settled()) << session.run.output();
+  const pid_t contact = session.pid("contact"), coupling = session.pid("coupling"), roudi = own_roudi(session.run);
+  ASSERT_GT(roudi, 0) << "another session is running";
+  for (const pid_t victim : {roudi, session.run.process().pid()}) {
+    const auto stale = session.observer.stats().wrench_stale;
+    const auto tick = session.observer.device().tick;
+    kill(victim, SIGSTOP);
+    EXPECT_TRUE(eventually([&] { return session.observer.device().tick > tick + 3000; }));
+    kill(victim, SIGCONT);
+    EXPECT_TRUE(eventually([&] { return session.observer.device().tick > tick + 4000; }));
+    EXPECT_LT(session.observer.stats().wrench_stale, stale + 100);
+    EXPECT_TRUE(eventually([&] { return session.observer.active(); })) << session.run.output();
+  }
+  EXPECT_EQ(session.pid("contact"), contact) << session.run.output();
+  EXPECT_EQ(session.pid("coupling"), coupling) << session.run.output();
+  EXPECT_EQ(session.run.stop(), 0) << session.run.output();
 }
 
 TEST(CouplingKilled, IsStartedAgainAndTheSessionGoesOn) {
