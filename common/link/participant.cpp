@@ -75,6 +75,7 @@ Participant::Participant(wire::Channel kind, const Session& session, const Threa
     : kind_(kind), session_name_(session.name) {
   if (kind == wire::Channel::haptic && session.machine.transport == "shm") {
     require_roudi();
+    join_roudi();
     roudi_instance_ = roudi_instance();
     // iceoryx keeps one connection a process, for ever: with a new RouDi it would abort().
     static const std::uint64_t first_known = roudi_instance_;
@@ -121,7 +122,7 @@ void note_endpoints_abandoned() noexcept { abandoned.store(true); }
 
 std::uint64_t process_epoch() {
   static const auto epoch = static_cast<std::uint64_t>(
-      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
           .count());
   return epoch;
 }

@@ -55,7 +55,8 @@ class Participant {
 bool endpoints_abandoned() noexcept;
 void note_endpoints_abandoned() noexcept;
 
-/// Start of this process on the wall clock, ns: larger after each restart. The incarnation ("epoch") on the wire.
+/// Start of this process since the machine's, ns: larger after each restart, whatever happens to the wall clock. The
+/// incarnation ("epoch") on the wire.
 std::uint64_t process_epoch();
 
 }  // namespace tact

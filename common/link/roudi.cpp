@@ -16,6 +16,7 @@
 #include <fstream>
 #include <sstream>
 #include <thread>
+#include <utility>
 
 #include "fault/fault.hpp"
 #include "link/roudi_probe.hpp"
@@ -61,6 +62,12 @@ bool eventually(const auto& condition, milliseconds limit) {
   }
   return true;
 }
+
+/// Of join_roudi(): a service joins once, on the thread that makes its participant. Who holds a lease has joined
+/// already.
+int leases = 0;
+int joined_file = -1;
+pid_t joined_parent = 0;
 
 /// Field 22 of /proc/<pid>/stat; 0 when there is no such process or it is a zombie. A killed process whose first thread
 /// is a zombie still holds its files while other threads end: field 20 counts them.
@@ -130,9 +137,11 @@ RoudiLease::RoudiLease(const fs::path& roudi_toml) : toml_(roudi_toml) {
     throw;
   }
   ::flock(users_file_, LOCK_SH);
+  ++leases;
 }
 
 RoudiLease::~RoudiLease() {
+  --leases;
   try {
     const Transition transition;
     const bool last = ::flock(users_file_, LOCK_EX | LOCK_NB) == 0;
@@ -234,6 +243,32 @@ void RoudiLease::start() {
   identity_ = {pid, start_time_of(pid)};
   ::unlink(kPid);
   std::ofstream(kPid) << identity_.pid << ' ' << identity_.start_time << '\n';
+}
+
+void join_roudi() {
+  if (joined_file >= 0 || leases > 0) return;
+  joined_file = open_shared_file(kUsers);
+  ::flock(joined_file, LOCK_SH);
+  joined_parent = ::getppid();
+}
+
+bool leave_roudi() noexcept {
+  if (joined_file < 0) return false;
+  bool stopped = false;
+  if (::getppid() != joined_parent) {
+    try {
+      const RoudiLease::Transition transition;
+      const RoudiLease::Identity ours = RoudiLease::recorded();
+      if (::flock(joined_file, LOCK_EX | LOCK_NB) == 0 && ours.pid > 0) {
+        ours.kill();
+        RoudiLease::remove_leftovers();
+        stopped = true;
+      }
+    } catch (const std::exception&) {  // the next session's first lease cleans up
+    }
+  }
+  ::close(std::exchange(joined_file, -1));
+  return stopped;
 }
 
 void RoudiLease::remove_leftovers() {

@@ -59,10 +59,18 @@ class RoudiLease {
   static Identity recorded();
   static void remove_leftovers();
 
+  friend bool leave_roudi() noexcept;
+
   std::filesystem::path toml_;
   int users_file_ = -1;
   bool foreign_ = false;
   Identity identity_;
 };
+
+/// For services: this process is a client now and counts as a user. Again: nothing. Throws SetupError.
+void join_roudi();
+/// At the very end: no longer. When the process that started this one was killed meanwhile and nobody else uses RouDi,
+/// stops it in that one's place: true, and iceoryx has nobody left to say farewell to (leave by _Exit).
+bool leave_roudi() noexcept;
 
 }  // namespace tact

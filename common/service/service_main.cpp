@@ -8,6 +8,7 @@
 
 #include "fault/fault.hpp"
 #include "link/participant.hpp"
+#include "link/roudi.hpp"
 #include "log/log.hpp"
 
 namespace tact {
@@ -34,8 +35,9 @@ int service_main(const char* name, int argc, char** argv, const std::function<in
     code = kExitFault;
   }
   flush_log();
+  const bool alone = leave_roudi();
   // Endpoints of a dead peer may hang when destroyed: leave without destructors.
-  if (endpoints_abandoned()) std::_Exit(code);
+  if (endpoints_abandoned() || alone) std::_Exit(code);
   return code;
 }
 

@@ -12,7 +12,7 @@ std::vector<FlightTick> read_flight(const std::filesystem::path& file) {
     if (entry != RecordingReader::Entry::tick) continue;
     const coupling::TickRecord& t = in.tick();
     ticks.push_back({t.tick.index, t.pose_seq, t.reply_seq, t.wrench_age_ticks, t.faults, t.contact_count,
-                     t.F_contact_W, t.F_sent_W, t.X_WH, t.sent.X_W});
+                     t.F_contact_W, t.F_sent_W, t.X_WH, t.reading.X_WH, t.sent.X_W, t.tick.skipped});
   }
   return ticks;
 }

@@ -13,7 +13,8 @@ struct FlightTick {
   std::uint32_t wrench_age_ticks, faults;
   std::uint32_t contact_count;
   Wrench F_contact_W, F_sent_W;
-  Pose X_WH, X_sent;
+  Pose X_WH, X_BH, X_sent;  ///< handle in W; handle and set-point in the device's frame
+  std::uint64_t skipped;    ///< grid points just before
 };
 
 /// Throws SetupError on a file that is no recording.

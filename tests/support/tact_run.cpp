@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 
 namespace tact::test {
@@ -54,6 +55,13 @@ nlohmann::json TactRun::report() const {
   std::ifstream in(scratch_.path() / "report.json");
   EXPECT_TRUE(in.good()) << "no report was written\n" << output();
   return in ? nlohmann::json::parse(in, nullptr, false) : nlohmann::json{};
+}
+
+bool TactRun::reported(const std::string& fault) const {
+  const auto all = report();
+  const auto faults = all.value("faults", nlohmann::json::array());
+  return std::any_of(faults.begin(), faults.end(),
+                     [&](const auto& one) { return one["name"].template get<std::string>() == fault; });
 }
 
 }  // namespace tact::test

@@ -19,6 +19,8 @@ class TactRun {
   int stop();
   std::string output() const { return process_.output(); }
   nlohmann::json report() const;
+  /// Its faults[] have one of that name.
+  bool reported(const std::string& fault) const;
   const std::string& session() const { return session_; }
   /// Where the session keeps its files while it runs.
   std::filesystem::path run_dir() const { return scratch_.path() / "tact" / session_; }

@@ -3,12 +3,16 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
+#include <thread>
 
 #include "fault/fault.hpp"
 #include "support/flight_file.hpp"
 #include "support/other_network.hpp"
 #include "support/pressing.hpp"
 #include "support/watcher.hpp"
+#include "tick_laws.hpp"
 
 namespace tact::test {
 namespace {
@@ -31,11 +35,6 @@ std::vector<FlightTick> flight_of_stale_wrench(const TactRun& run) {
       seconds{20}))
       << run.output();
   return found;
-}
-
-bool names(const nlohmann::json& report, const std::string& fault) {
-  return std::any_of(report["faults"].begin(), report["faults"].end(),
-                     [&](const auto& f) { return f["name"].template get<std::string>() == fault; });
 }
 
 /// The RouDi this run started, -1 when it shares that of another session on this machine: then it is not ours to kill.
@@ -87,7 +86,7 @@ TEST_P(ContactServerKilled, CalmsTheArmWithinTwentyTicksAndComesBackByItself) {
       eventually([&] { return session.observer.active() && session.observer.in_steady_contact(); }, seconds{60}))
       << session.run.output();
   EXPECT_EQ(session.run.stop(), 0) << session.run.output();
-  EXPECT_TRUE(names(session.run.report(), "wrench_stale")) << session.run.report().dump(2);
+  EXPECT_TRUE(session.run.reported("wrench_stale")) << session.run.report().dump(2);
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, ContactServerKilled, ::testing::Values("impedance", "pseudo-admittance"),
@@ -155,7 +154,7 @@ TEST(ContactServerRestarted, WithAnotherMeshIsRefusedByNameAndTheArmStaysCalm) {
   EXPECT_TRUE(eventually([&] { return observer.active(); }, seconds{60})) << run.output();
   EXPECT_FALSE(refused());
   EXPECT_EQ(run.stop(), 0) << run.output();
-  EXPECT_TRUE(names(run.report(), "scene_changed")) << run.report().dump(2);
+  EXPECT_TRUE(run.reported("scene_changed")) << run.report().dump(2);
   EXPECT_NE(run.output().find("restart the session"), std::string::npos) << run.output();
 }
 
@@ -173,9 +172,56 @@ TEST(ContactServerStopped, ForThreeSecondsCalmsTheArmAndTheGridDoesNotSlip) {
       << session.run.output();
   EXPECT_EQ(session.run.stop(), 0);
   const auto report = session.run.report();
-  EXPECT_TRUE(names(report, "wrench_stale")) << report.dump(2);
+  EXPECT_TRUE(session.run.reported("wrench_stale")) << report.dump(2);
   // Grid points are lost to a busy machine, not to a stopped server: it was stopped for more than 3000 ticks.
   EXPECT_LT(report["missed_ticks"].get<double>(), 0.05 * report["ticks"].get<double>()) << report.dump(2);
+}
+
+/// Stopped and continued without end: replies come in bursts, most of them late.
+class ContactServerSlow : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(ContactServerSlow, IsBridgedOrFadedNeverBeyondTheGateAndTheArmComesBackByItself) {
+  const ScratchDir dir;
+  const auto record = dir.path() / "slow.tick";
+  Pressing session({"--mode", GetParam(), "--record", record});
+  ASSERT_TRUE(session.settled()) << session.run.output();
+  const pid_t victim = session.pid("contact");
+  for (int i = 0; i < 40; ++i) {
+    kill(victim, SIGSTOP);
+    std::this_thread::sleep_for(std::chrono::milliseconds{3 + 2 * (i % 10)});
+    kill(victim, SIGCONT);
+    std::this_thread::sleep_for(std::chrono::milliseconds{5});
+  }
+  EXPECT_TRUE(
+      eventually([&] { return session.observer.active() && session.observer.in_steady_contact(); }, seconds{60}))
+      << session.run.output();
+  EXPECT_EQ(session.pid("contact"), victim) << "slow is not dead: " << session.run.output();
+  EXPECT_EQ(session.run.stop(), 0) << session.run.output();
+  EXPECT_TRUE(session.run.reported("wrench_late")) << session.run.report().dump(2);
+  expect_gate_and_staleness(read_flight(record), GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, ContactServerSlow, ::testing::Values("impedance", "pseudo-admittance"),
+                         [](const auto& param) { return param.index == 0 ? "impedance" : "pseudo_admittance"; });
+
+TEST(SupervisorAndRouDiStopped, DoNotDisturbTheHandAndTheSessionGoesOnWithThem) {
+  Pressing session;
+  ASSERT_TRUE(session.settled()) << session.run.output();
+  const pid_t contact = session.pid("contact"), coupling = session.pid("coupling"), roudi = own_roudi(session.run);
+  ASSERT_GT(roudi, 0) << "another session is running";
+  for (const pid_t victim : {roudi, session.run.process().pid()}) {
+    const auto stale = session.observer.stats().wrench_stale;
+    const auto tick = session.observer.device().tick;
+    kill(victim, SIGSTOP);
+    EXPECT_TRUE(eventually([&] { return session.observer.device().tick > tick + 3000; }));
+    kill(victim, SIGCONT);
+    EXPECT_TRUE(eventually([&] { return session.observer.device().tick > tick + 4000; }));
+    EXPECT_LT(session.observer.stats().wrench_stale, stale + 100);
+    EXPECT_TRUE(eventually([&] { return session.observer.active(); })) << session.run.output();
+  }
+  EXPECT_EQ(session.pid("contact"), contact) << session.run.output();
+  EXPECT_EQ(session.pid("coupling"), coupling) << session.run.output();
+  EXPECT_EQ(session.run.stop(), 0) << session.run.output();
 }
 
 TEST(CouplingKilled, IsStartedAgainAndTheSessionGoesOn) {
@@ -243,7 +289,7 @@ TEST(RouDiKilled, IsReportedAndReplacedWithoutEndingTheSession) {
       eventually([&] { return session.observer.active() && session.observer.in_steady_contact(); }, seconds{60}))
       << session.run.output();
   EXPECT_EQ(session.run.stop(), 0);
-  EXPECT_TRUE(names(session.run.report(), "transport_degraded")) << session.run.report().dump(2);
+  EXPECT_TRUE(session.run.reported("transport_degraded")) << session.run.report().dump(2);
 }
 
 TEST(TwoSessions, DoNotHearEachOtherAndOneEndingLeavesTheOtherAlone) {
@@ -264,6 +310,28 @@ TEST(TwoSessions, DoNotHearEachOtherAndOneEndingLeavesTheOtherAlone) {
   EXPECT_TRUE(pids_of("iox-roudi").empty());
 }
 
+TEST(TwoSessions, TheOneThatStartedRouDiIsKilledAndTheOtherGoesOnWithItAndStopsIt) {
+  auto first = std::make_unique<Pressing>();
+  ASSERT_TRUE(first->settled()) << first->run.output();
+  const pid_t roudi = own_roudi(first->run);
+  ASSERT_GT(roudi, 0) << "another session is running";
+  Pressing second;
+  ASSERT_TRUE(second.settled()) << second.run.output();
+  const pid_t contact = second.pid("contact"), coupling = second.pid("coupling");
+  kill(first->run.process().pid(), SIGKILL);
+  EXPECT_TRUE(eventually([] { return pids_of("tact-contact").size() == 1 && pids_of("tact-coupling").size() == 1; }));
+  const auto stale = second.observer.stats().wrench_stale;
+  const auto tick = second.observer.device().tick;
+  EXPECT_TRUE(eventually([&] { return second.observer.device().tick > tick + 2000; }));
+  EXPECT_LT(second.observer.stats().wrench_stale, stale + 100);
+  EXPECT_EQ(second.pid("contact"), contact);
+  EXPECT_EQ(second.pid("coupling"), coupling);
+  EXPECT_EQ(pids_of("iox-roudi"), std::vector<pid_t>{roudi});
+  EXPECT_EQ(second.run.stop(), 0) << second.run.output();
+  EXPECT_TRUE(pids_of("iox-roudi").empty());
+  EXPECT_TRUE(shared_memory_files().empty()) << ::testing::PrintToString(shared_memory_files());
+}
+
 TEST(StartAndStop, TwentyTimesLeavesNoProcessAndNoSharedMemory) {
   for (int i = 0; i < 20; ++i) {
     TactRun run({"peg", "--view", "off", "--for", "300ms"});
@@ -275,11 +343,51 @@ TEST(StartAndStop, TwentyTimesLeavesNoProcessAndNoSharedMemory) {
   EXPECT_TRUE(shared_memory_files().empty()) << ::testing::PrintToString(shared_memory_files());
 }
 
-TEST(SupervisorKilled, TakesItsServicesWithItAndTheNextSessionCleansUp) {
+/// Killed, it can do nothing any more: the kernel tells its services, and the last of them takes RouDi with it.
+class SupervisorKilled : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(SupervisorKilled, ItsServicesEndCalmlyAndNothingIsLeftRunningOrInSharedMemory) {
+  const ScratchDir dir;
+  const auto record = dir.path() / "killed.tick";
+  Pressing session({"--mode", GetParam(), "--record", record, "--view", "on", "--port", "0"});
+  ASSERT_TRUE(session.settled()) << session.run.output();
+  ASSERT_GT(own_roudi(session.run), 0) << "another session is running";
+  const auto& state = session.observer.device().F_coupling_W.force;
+  ASSERT_TRUE(eventually([&] {
+    session.observer.device();
+    return std::hypot(state.x, state.y, state.z) > 2;
+  })) << session.run.output();
+  kill(session.run.process().pid(), SIGKILL);
+  EXPECT_TRUE(eventually([] {
+    return pids_of("tact-contact").empty() && pids_of("tact-coupling").empty() && pids_of("tact-view").empty();
+  }));
+  EXPECT_TRUE(eventually([] { return pids_of("iox-roudi").empty(); }));
+  EXPECT_TRUE(shared_memory_files().empty()) << ::testing::PrintToString(shared_memory_files());
+
+  // It pressed until it was told; then to nothing through the gate, and some ticks at rest before the motors went off.
+  const auto ticks = read_flight(record);
+  expect_gate_and_staleness(ticks, GetParam());
+  const auto pressing =
+      std::find_if(ticks.rbegin(), ticks.rend(), [](const FlightTick& t) { return t.F_sent_W.force.norm() > 1; });
+  ASSERT_NE(pressing, ticks.rend());
+  EXPECT_GT(pressing - ticks.rbegin(), 20);
+  EXPECT_EQ(ticks.back().F_sent_W.force.norm(), 0);
+
+  TactRun next({"peg", "--view", "off", "--for", "300ms"});
+  EXPECT_EQ(next.wait(seconds{90}), 0) << next.output();
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, SupervisorKilled, ::testing::Values("impedance", "pseudo-admittance"),
+                         [](const auto& param) { return param.index == 0 ? "impedance" : "pseudo_admittance"; });
+
+/// Killed with everything it had started but RouDi, nobody is left to clean up: the next session does.
+TEST(EverythingKilled, TheNextSessionCleansUp) {
   {
     Pressing session;
     ASSERT_TRUE(session.settled()) << session.run.output();
-    kill(session.run.process().pid(), SIGKILL);
+    const pid_t contact = session.pid("contact"), coupling = session.pid("coupling");
+    for (const pid_t pid : {session.run.process().pid(), contact, coupling}) kill(pid, SIGSTOP);
+    for (const pid_t pid : {session.run.process().pid(), contact, coupling}) kill(pid, SIGKILL);
     EXPECT_TRUE(eventually([&] { return pids_of("tact-contact").empty() && pids_of("tact-coupling").empty(); }));
   }
   TactRun next({"peg", "--view", "off", "--for", "300ms"});

@@ -210,6 +210,24 @@ TEST_P(VirtuoseSession, AnArmThatStopsOrDiesIsLostAndFoundAgain) {
   EXPECT_TRUE(s.reported(Fault::device_lost)) << s.run.report()["faults"].dump(2);
 }
 
+TEST_P(VirtuoseSession, AnArmThatIsHeardLateAgainAndAgainStaysWithinTheGateAndComesBack) {
+  ArmSession s(GetParam());
+  ASSERT_TRUE(s.engage() && s.press()) << s.run.output();
+  const pid_t coupling = s.coupling();
+  s.arm->say("reset");
+  for (int i = 0; i < 15; ++i) {
+    s.arm->say("drop 1");
+    EXPECT_TRUE(s.ticks(60)) << "the loop goes on";
+    s.arm->say("drop 0");
+    EXPECT_TRUE(s.ticks(20));
+  }
+  EXPECT_LE(s.arm->get("force_max"), 15.01);
+  EXPECT_TRUE(s.engage() && s.press()) << s.run.output();
+  EXPECT_LE(s.arm->get("force_max"), 15.01);
+  EXPECT_EQ(s.coupling(), coupling) << "the same process all the time";
+  EXPECT_EQ(s.run.stop(), 0) << s.run.output();
+}
+
 TEST_P(VirtuoseSession, ALyingArmIsCalmedAtTheGatesSlope) {
   ArmSession s(GetParam());
   ASSERT_TRUE(s.engage()) << s.run.output();

@@ -53,8 +53,8 @@ std::string quoted(const std::string& word) {
 }
 
 Json run_child(const std::string& who, const std::string& scene, int cells) {
-  const std::string command = quoted(libexec_dir() / "tact-bench") + " --bake-child " + who + " " +
-                              quoted(scene) + " " + std::to_string(cells);
+  const std::string command =
+      quoted(libexec_dir() / "tact-bench") + " --bake-child " + who + " " + quoted(scene) + " " + std::to_string(cells);
   FILE* pipe = ::popen(command.c_str(), "r");
   std::string text;
   for (int c; pipe != nullptr && (c = std::fgetc(pipe)) != EOF;) text += static_cast<char>(c);

@@ -55,7 +55,7 @@ void tick_by_tick(const LoadedScene& scene, Report& report) {
     time.add(seconds_of([&] { found = pipeline->step(query).contact_count; }));
     contacts += static_cast<double>(found) / static_cast<double>(poses.size());
   }
-  report.table(
+  report.times(
       {"along the cheat, each ms", "poses", "contacts, mean", "tick p50", "p99"},
       {{"75 to 130", std::to_string(poses.size()), number(contacts), us(time.median()), us(time.percentile(0.99))}});
 }
@@ -79,7 +79,7 @@ void tick_alone(const std::string& name, const Effort& effort, Report& report) {
         static_cast<double>(pipeline->step(scene.query(X_WM)).contact_count) / static_cast<double>(poses.size());
   }
   const Parts p(scene, poses);
-  report.table(
+  report.times(
       {name, "contacts, mean", "tick p50", "p99", "nodes", "traversal", "law", "assemble"},
       {{std::to_string(poses.size()) + " poses", number(contacts), us(time.median()), us(time.percentile(0.99)),
         number(p.nodes), us(p.traversal.median()), us(p.law_time.median()), us(p.assemble.median())}});
@@ -119,9 +119,9 @@ void bench_contact(const Effort& effort, Report& report) {
     parts.push_back({c.name, number(p.nodes), us(p.traversal.median()), number(1e9 * p.traversal.median() / p.nodes),
                      us(p.law_time.median()), us(p.assemble.median())});
   }
-  report.table({"contacts", "poses", "mean", "Tact p50", "p99", "FCL contacts", "FCL p50", "p99", "ratio p50", "p99"},
+  report.times({"contacts", "poses", "mean", "Tact p50", "p99", "FCL contacts", "FCL p50", "p99", "ratio p50", "p99"},
                rows);
-  report.table({"of that, p50", "nodes", "traversal", "ns a node", "law", "assemble"}, parts);
+  report.times({"of that, p50", "nodes", "traversal", "ns a node", "law", "assemble"}, parts);
   tick_by_tick(scene, report);
   report.bar("contact tick, about 100 contacts, FCL / Tact at the median", at_100, "x", true, 10);
   if (!effort.quick) tick_alone("engine", effort, report);

@@ -67,7 +67,7 @@ void bench_laws(const Effort& effort, Report& report) {
       rows.push_back(row);
     }
   }
-  report.table({"law", "normals", "n = 200 p50", "p99", "assemble", "n = 10000 p50", "p99", "assemble"}, rows);
+  report.times({"law", "normals", "n = 200 p50", "p99", "assemble", "n = 10000 p50", "p99", "assemble"}, rows);
   report.bar("dearest law, n = 200", worst_200, "ns a contact", false, 40);
   report.bar("dearest law, n = 10 000", worst_10000, "ns a contact", false, 100);
 }

@@ -47,12 +47,14 @@ int run_bench(int argc, char** argv) {
   app.add_option("NAME", names, "Benchmarks to run, see below");
   app.add_flag("--quick", effort.quick, "Smaller cases, fewer repetitions");
   app.add_option("--json", json, "Write all tables and bars to this file too");
-  app.add_option("--plot", plots, "Draw the charts of what was found in this folder")->type_name("DIR");
+  app.add_option("--plot", plots, "Draw the charts of what was found in this folder; stability.csv has every search")
+      ->type_name("DIR");
   app.footer(
       known +
       "Times are medians and 99th percentiles of calls that take turns with the peer's. Exit status 0, or 3 when\n"
       "a bar is missed (it is a measurement: other work on the machine makes it worse).\n"
-      "Examples:\n  tact bench\n  tact bench contact sample --json bench.json\n  tact bench growth --plot .\n  tact "
+      "Examples:\n  tact bench\n  tact bench contact sample --json bench.json\n  tact bench growth stability --plot "
+      ".\n  tact "
       "bench --quick");
   try {
     app.parse(argc, argv);

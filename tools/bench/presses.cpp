@@ -1,13 +1,12 @@
 #include "bench/presses.hpp"
 
 #include <cstdio>
+#include <utility>
 
 #include "bench/scene.hpp"
 
 namespace tact::bench {
 namespace {
-
-constexpr double kStiffest = 5e7;
 
 lockstep::Experiment setup_of(lockstep::AnalyticScene scene) {
   lockstep::Experiment setup;
@@ -55,13 +54,21 @@ double stated_stiffness(const lockstep::Experiment& setup) {
 }
 
 StableStiffness stable_stiffness(const lockstep::Experiment& setup, double ratio) {
+  return largest_stable([&](double k) { return press(at_stiffness(setup, k)); }, stated_stiffness(setup), kStiffest,
+                        ratio);
+}
+
+StableStiffness largest_stable(const std::function<lockstep::Verdict(double)>& press_at, double stated, double most,
+                               double ratio) {
   StableStiffness found;
+  bool first = true;
   const auto stable = [&](double k) {
-    const lockstep::Verdict verdict = press(at_stiffness(setup, k));
+    const lockstep::Verdict verdict = press_at(k);
+    if (std::exchange(first, false)) found.stated = verdict;
     (verdict.stable() ? found.at_k : found.above) = verdict;
     return verdict.stable();
   };
-  found.k = lockstep::largest_stable(stable, stated_stiffness(setup), kStiffest, ratio);
+  found.k = lockstep::largest_stable(stable, stated, most, ratio);
   return found;
 }
 
@@ -75,9 +82,9 @@ std::string newtons_per_metre(double k) {
   return text;
 }
 
-std::string text_of(const StableStiffness& found) {
-  if (found.k == 0) return std::string("none (") + name(found.above.why) + ")";
-  return (found.k >= kStiffest ? "> " : "") + newtons_per_metre(found.k);
+std::string text_of(const StableStiffness& found, double most) {
+  if (found.k == 0) return std::string("none (") + name(found.stated.why) + ")";
+  return (found.k >= most ? "> " : "") + newtons_per_metre(found.k);
 }
 
 }  // namespace tact::bench

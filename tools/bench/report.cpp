@@ -103,7 +103,7 @@ void Report::claim(const std::string& theirs, const std::string& ours, Holds hol
 }
 
 void Report::chart(const Chart& chart) {
-  if (!draws()) return;
+  if (!draws() || chart.lines.empty()) return;
   constexpr const char* kColors[] = {"#2060c0", "#c03020", "#208040", "#8040a0",
                                      "#c08000", "#606060", "#00a0a0", "#a04060"};
   using report::Gnuplot;
@@ -128,6 +128,13 @@ void Report::chart(const Chart& chart) {
   commands += "set title " + Gnuplot::quoted(chart.title) + " noenhanced\nset xlabel " +
               Gnuplot::quoted(chart.x_label) + " noenhanced\nset ylabel " + Gnuplot::quoted(chart.y_label) +
               " noenhanced\nset key outside right top noenhanced\nset grid lc rgb '#dddddd'\n";
+  if (!chart.x_names.empty()) {
+    commands += "set xtics rotate by -30 noenhanced (";
+    for (std::size_t i = 0; i < chart.x_names.size(); ++i) {
+      commands += (i > 0 ? ", " : "") + Gnuplot::quoted(chart.x_names[i]) + " " + std::to_string(i);
+    }
+    commands += ")\n";
+  }
   if (chart.log_x) commands += "set logscale x\n";
   if (chart.log_y) commands += "set logscale y\n";
   const auto file = next_picture(".svg");

@@ -20,6 +20,7 @@ struct Chart {
   std::string title, x_label, y_label;
   bool log_x = false, log_y = false;
   std::vector<Line> lines;
+  std::vector<std::string> x_names;  ///< of x = 0, 1, ...; none: numbers
 };
 
 /// Does what somebody says hold here?
@@ -91,6 +92,7 @@ class Report {
 
   std::size_t missed() const { return missed_; }
   bool draws() const { return !folder_.empty(); }
+  const std::filesystem::path& folder() const { return folder_; }
   const std::vector<Section>& sections() const { return sections_; }
   /// Throws SetupError when it cannot be written.
   void write_json(const std::filesystem::path& path) const;

@@ -100,8 +100,8 @@ void bench_sample(const Effort& effort, Report& report) {
     const double ratio = measure("many at once", many_at_once);
     if (!coherent) random_ratio = ratio;
   }
-  report.table({"points", "Tact asked", "Tact p50", "p99", "OpenVDB p50", "p99", "ratio"}, rows);
-  report.table({"error, voxels", "largest", "rms"},
+  report.times({"points", "Tact asked", "Tact p50", "p99", "OpenVDB p50", "p99", "ratio"}, rows);
+  report.times({"error, voxels", "largest", "rms"},
                {{"Tact", number(our_error.largest), number(our_error.rms)},
                 {"OpenVDB", number(their_error.largest), number(their_error.rms)}});
   report.bar("field sample, random points in the band, many at once, OpenVDB / Tact", random_ratio, "x", true, 3);

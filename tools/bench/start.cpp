@@ -36,7 +36,7 @@ void bench_start(const Effort& effort, Report& report) {
   row("read the pointshell", shell);
   row("pipeline and first wrench", pipeline);
   row("all", all);
-  report.table({"", "p50", "p99"}, rows);
+  report.times({"", "p50", "p99"}, rows);
   report.bar("cache to first wrench, median", 1e3 * all.median(), "ms", false, 100);
 }
 

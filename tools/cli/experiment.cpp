@@ -32,6 +32,9 @@ int experiment(const RunOptions& options, const ExperimentOptions& more) {
   if (!more.csv.empty() && !csv.flush()) throw SetupError(more.csv.string() + ": --csv: cannot write here");
   const std::string json = report::to_json(report);
   std::fputs((more.json ? json : report::to_table(report)).c_str(), stdout);
+  if (!more.json) {
+    for (const std::string& note : report.notes) std::printf("%s\n", note.c_str());
+  }
   if (!setup.session.run.report.empty()) {
     std::ofstream out(setup.session.run.report);
     if (!(out << json).flush()) throw SetupError(setup.session.run.report.string() + ": run.report: cannot write here");

@@ -4,6 +4,7 @@
 
 #include "coupling/link/messages.hpp"
 #include "fault/fault.hpp"
+#include "lockstep/felt_mass.hpp"
 
 namespace tact::lockstep {
 
@@ -41,6 +42,7 @@ report::SessionReport run_experiment(Lockstep& rig, const Session& session,
   report.goal_angle_deg = goal.angle_deg();
   report.faults = faults.events();
   if (!played) report.notes.push_back("the script was not played to its end: haptics did not become live");
+  report.notes.push_back("felt in free motion: " + felt_mass(rig.setup()).text());
   return report;
 }
 

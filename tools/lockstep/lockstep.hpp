@@ -6,6 +6,7 @@
 #include <string>
 
 #include "contact/pipeline/contact_pipeline.hpp"
+#include "coupling/device/simulated_device.hpp"
 #include "coupling/loop/session_config.hpp"
 #include "lockstep/bodies.hpp"
 
@@ -60,6 +61,8 @@ class Lockstep {
   contact::ContactPipeline& pipeline() { return pipeline_; }
   const contact::ContactResult& answer() const { return *answer_; }  ///< to the newest pose. @pre a tick was made
   const coupling::LoopConfig& config() const { return config_; }
+  const coupling::SimulatedDevice& device() const { return dynamic_cast<const coupling::SimulatedDevice&>(*device_); }
+  const Experiment& setup() const { return setup_; }
   double voxel_m() const { return config_.voxel_m; }
 
  private:

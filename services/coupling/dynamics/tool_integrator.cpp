@@ -9,8 +9,11 @@ namespace tact::coupling {
 namespace {
 
 constexpr int kNewtonSteps = 4;
-constexpr double kSlopeAlong = 0.1;
+/// Of the secant, put in where the cap leaves no slope at all: less after each whole step, more after each cut one. A
+/// fixed part makes Newton converge linearly; none makes its system singular where no contact resists.
+constexpr double kSlopeAlong = 0.1, kSlopeAlongLeast = 1e-6, kSlopeFalls = 0.3, kSlopeRises = 10;
 constexpr int kStaticCuts = 4;
+constexpr double kStaticReach_m = 0.1, kStaticReach_rad = 1;  // of one Newton step
 
 /// A needle or a plate of points has no inertia about some axis: bounded below at this fraction of its largest.
 constexpr double kInertiaFloor = 0.01;
@@ -32,12 +35,12 @@ bool beyond_cap(const Vec6& s, const CouplingGains& gains) {
   return s.head<3>().norm() > gains.force_max || s.tail<3>().norm() > gains.torque_max;
 }
 
-/// Gradient of the cap, with a part of the secant min(1, m / |s|) where it is singular.
-Mat3 cap_slope(const Vec3& s, double m) {
+/// Gradient of the cap, with the part `along` of the secant min(1, m / |s|) where it is singular.
+Mat3 cap_slope(const Vec3& s, double m, double along) {
   const double norm = s.norm();
   if (norm <= m) return Mat3::Identity();
   const Vec3 u = s / norm;
-  return cap_gradient(s, m) + (kSlopeAlong * m / norm) * (u * u.transpose());
+  return cap_gradient(s, m) + (along * m / norm) * (u * u.transpose());
 }
 
 }  // namespace
@@ -237,17 +240,22 @@ Vec6 ToolIntegrator::static_coupling(Step& step, const CouplingGains& gains) noe
   };
 
   State now = at(step.V_T0, step.V_H0);
-  double left = residual(now);
+  double left = residual(now), along = kSlopeAlong;
   for (int i = 0; i < kStaticSteps && !(left <= kStaticResidual_n); ++i) {
     Mat6 D = step.B_VC;
     D.topLeftCorner<3, 3>() += h * gains.k * Mat3::Identity();
     D.bottomRightCorner<3, 3>() += h * gains.k_r * now.gradient;
     Mat6 J = Mat6::Zero();
-    J.topLeftCorner<3, 3>() = gains.strength * cap_slope(now.s.head<3>(), gains.force_max);
-    J.bottomRightCorner<3, 3>() = gains.strength * cap_slope(now.s.tail<3>(), gains.torque_max);
+    J.topLeftCorner<3, 3>() = gains.strength * cap_slope(now.s.head<3>(), gains.force_max, along);
+    J.bottomRightCorner<3, 3>() = gains.strength * cap_slope(now.s.tail<3>(), gains.torque_max, along);
     const Mat6 C = J * D;
     step.solve_coupled(now.F - C * (now.V_H - now.V_T), C);
-    const Vec6 to_T = step.V_T - now.V_T, to_H = step.V_H - now.V_H;
+    Vec6 to_T = step.V_T - now.V_T, to_H = step.V_H - now.V_H;
+    // Where contact pushes harder than the cap holds and nothing resists there is no balance, however far away.
+    const double reach =
+        std::max({1.0, h * to_T.head<3>().norm() / kStaticReach_m, h * to_T.tail<3>().norm() / kStaticReach_rad});
+    to_T /= reach;
+    to_H /= reach;
     const double slope = now.left_T.dot(to_T) + now.left_H.dot(to_H);
     State next;
     double part = 1;
@@ -257,6 +265,8 @@ Vec6 ToolIntegrator::static_coupling(Step& step, const CouplingGains& gains) noe
       if (there >= -0.5 * slope || cut == kStaticCuts) break;
       part *= std::clamp(slope / (slope - there), 0.02, 0.5);
     }
+    along = part == 1 && reach == 1 ? std::max(kSlopeFalls * along, kSlopeAlongLeast)
+                                    : std::min(kSlopeRises * along, kSlopeAlong);
     now = next;
     left = residual(now);
   }

@@ -45,10 +45,10 @@ enum class Integrator { semi_implicit, implicit };
 /// difference decays within kJoin_s.
 ///
 /// Rotation: angular momentum is carried over the step (w <- I(R')^-1 I(R) w), exactly conserved without torque.
-/// Real time: bounded work (at most six 6x6 solves, static sixteen), no allocation, no exceptions.
+/// Real time: bounded work (at most six 6x6 solves, static twenty-four), no allocation, no exceptions.
 class ToolIntegrator {
  public:
-  static constexpr int kStaticSteps = 16;
+  static constexpr int kStaticSteps = 24;
   static constexpr double kStaticResidual_n = 1e-6;  ///< torque counts over the tool's radius of gyration
   static constexpr double kJoin_s = 0.2;             ///< time constant
 

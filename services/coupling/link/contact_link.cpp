@@ -1,5 +1,7 @@
 #include "coupling/link/contact_link.hpp"
 
+#include <utility>
+
 #include "coupling/link/messages.hpp"
 #include "fault/fault.hpp"
 #include "log/log.hpp"
@@ -191,12 +193,21 @@ void ContactLink::report_waiting() {
   stuck ? log_error(text) : log_info(text);
 }
 
-/// RouDi alone gone: the connection goes on, a new one could not be made.
+/// RouDi alone gone: the connection goes on, a new one could not be made. One that only was stopped comes back.
 void ContactLink::check_transport() {
   if (steady_clock::now() - transport_checked_ < milliseconds{500}) return;
   transport_checked_ = steady_clock::now();
   const bool degraded = (health_.now().faults & bit(Fault::transport_degraded)) != 0;
-  if (haptic_.transport_intact() || degraded) return;
+  if (haptic_.transport_intact()) {
+    if (!std::exchange(roudi_lost_, false) || !degraded) return;
+    health_.set_faults(bit(Fault::transport_degraded), 0);
+    const std::string text = "RouDi answers again";
+    log_warn(text);
+    if (status().active) health_.phase(wire::kActive, text);
+    return;
+  }
+  if (degraded) return;
+  roudi_lost_ = true;
   health_.set_faults(bit(Fault::transport_degraded), bit(Fault::transport_degraded));
   const std::string text = "RouDi is gone or was replaced: restart it and all shared-memory processes together";
   log_error(text);

@@ -108,6 +108,7 @@ class ContactLink {
   std::unique_ptr<HapticThread> sender_, receiver_;
   std::string said_;
   std::chrono::steady_clock::time_point waiting_since_, transport_checked_;
+  bool roudi_lost_ = false;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;

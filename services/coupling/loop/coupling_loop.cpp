@@ -157,10 +157,11 @@ DeviceReading CouplingLoop::read_device(const rt::Tick& tick) noexcept {
   return mapping_.read(held);
 }
 
-/// The newest reply there is; where the wrench of this very pose is needed, it is waited for within its budget.
+/// The newest reply there is; where the wrench of this very pose is needed, it is waited for within its budget. Calm
+/// nobody feels it: any reply that came meanwhile ends that.
 bool CouplingLoop::newest_reply(ContactReply& reply) noexcept {
   bool any = mail_.reply.read(reply);
-  if (!direct_now()) return any;
+  if (!direct_now() || calm()) return any;
   const std::int64_t end_ns =
       rt::monotonic_ns() + static_cast<std::int64_t>(std::min(config_.reply_wait_share, 0.4) * h_ * 1e9);
   while (!(any && reply.pose_seq >= seq_)) {

@@ -55,8 +55,7 @@ Vec6 coupling(const BodyState& H, const BodyState& T, double b_r, const Coupling
 TEST(Static, WhereTheToolGoesContactAndCouplingAreInBalanceWhateverTheContactAndTheCap) {
   Random random;
   const double tool_gyration_m = std::sqrt(3.5e-3 / 2);
-  int unsolved = 0;
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < 20000; ++i) {
     ToolIntegrator tool = brick(CouplingKind::quasi_static);
     const Pose X_WT = random.pose(0.1, 1);
     tool.reset(X_WT);
@@ -69,14 +68,33 @@ TEST(Static, WhereTheToolGoesContactAndCouplingAreInBalanceWhateverTheContactAnd
     const BodyState T{tool.tool().X_W, Twist::from(x / kH)};
     const BodyState H{displaced(handle.X_W, kH * handle.V_W.vector()), handle.V_W};
     const Vec6 left = contact.F_W.vector() - contact.K * x + coupling(H, T, gains.b / gains.k * gains.k_r, gains);
-    // From far off, with a hostile contact under the cap, sixteen steps are not always enough: then it says so.
     const double residual = std::hypot(left.head<3>().norm(), left.tail<3>().norm() / tool_gyration_m);
     ASSERT_NEAR(tool.static_residual_n(), residual, 1e-6 + 1e-6 * residual) << i;
-    ASSERT_LT(residual, i % 2 ? 1e-6 : 0.05) << i;
-    unsolved += tool.static_residual_n() > ToolIntegrator::kStaticResidual_n ? 1 : 0;
+    ASSERT_LT(tool.static_residual_n(), ToolIntegrator::kStaticResidual_n) << i;
     ASSERT_LE(tool.F_coupling_W().force.norm(), gains.force_max * (1 + 1e-12));
   }
-  EXPECT_LT(unsolved, 60) << "of two thousand";
+}
+
+/// Stiff contacts under a twist can push along their own null space, where nothing resists: no balance exists.
+TEST(Static, WhereContactPushesHarderThanTheCapHoldsAndNothingResistsTheToolStaysInReachAndSaysSo) {
+  Random random;
+  for (int i = 0; i < 2000; ++i) {
+    ToolIntegrator tool = brick(CouplingKind::quasi_static);
+    const Pose X_WT = random.pose(0.1, 1);
+    tool.reset(X_WT);
+    const BodyState handle{displaced(X_WT, (Vec6() << random.vec(0.003), random.vec(0.2)).finished()), {}};
+    ContactLoad contact;
+    Vec6 s = Vec6::Zero();
+    s << random.vec(1).normalized(), Vec3::Zero();
+    contact.K = 1e6 * s * s.transpose();
+    contact.F_W = {random.vec(50), random.vec(5)};
+    tool.step(handle, contact, gains_of(tool, 5, 0.2), 0, kH);
+    ASSERT_TRUE(tool.tool().X_W.finite()) << i;
+    ASSERT_LE((tool.tool().X_W.p - X_WT.p).norm(), 0.1 * ToolIntegrator::kStaticSteps + 1) << i;
+    if (contact.F_W.torque.norm() > 1) {
+      ASSERT_GT(tool.static_residual_n(), 1) << i;
+    }
+  }
 }
 
 TEST(Static, OnAWallTheToolRestsWhereTheSpringsBalanceAndUnderTheCapAtForceOverStiffness) {
@@ -130,7 +148,7 @@ TEST(Static, TheHandleBodyGetsExactlyTheOppositeOfWhatTheToolCarries) {
       tool.step(F_hand, random.contact(), gains_of(tool, 5, 0.2), 0, kH);
       const Vec3 impulse = tool.mass() * (tool.handle().V_W.linear - H.V_W.linear);
       ASSERT_LT((impulse - kH * (F_hand.force - tool.F_coupling_W().force)).norm(), 1e-12);
-      ASSERT_LE(tool.static_residual_n(), 0.05) << i;
+      ASSERT_LT(tool.static_residual_n(), ToolIntegrator::kStaticResidual_n) << i;
     }
   }
 }

@@ -11,7 +11,7 @@
 namespace tact::coupling {
 namespace {
 
-TEST(ContactLinkAndRoudi, ItsDeathIsReportedWhileTheConnectionGoesOn) {
+TEST(ContactLinkAndRoudi, ThatItIsStoppedAndItsDeathAreReportedWhileTheConnectionGoesOn) {
   const test::ScratchDir dir;
   const Session session = make_session("shm");
   RoudiLease lease(share_dir() / "roudi.toml");
@@ -24,8 +24,13 @@ TEST(ContactLinkAndRoudi, ItsDeathIsReportedWhileTheConnectionGoesOn) {
   test::Process server({TACT_PEER, "contact", session.name, "shm"}, dir.path() / "server");
   link.start();
   ASSERT_TRUE(link.wait_active(20s));
+  const auto degraded = [&] { return (health.now().faults & bit(Fault::transport_degraded)) != 0; };
+  ::kill(lease.pid(), SIGSTOP);
+  ASSERT_TRUE(test::eventually(degraded)) << "it reads no messages";
+  ::kill(lease.pid(), SIGCONT);
+  EXPECT_TRUE(test::eventually([&] { return !degraded() && health.now().phase == wire::kActive; }));
   ::kill(lease.pid(), SIGKILL);
-  ASSERT_TRUE(test::eventually([&] { return (health.now().faults & bit(Fault::transport_degraded)) != 0; }));
+  ASSERT_TRUE(test::eventually(degraded));
   const std::uint64_t before = loop.replies;
   EXPECT_TRUE(test::eventually([&] { return loop.replies > before + 300; }));
   EXPECT_TRUE(link.status().active);

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <future>
 #include <map>
 #include <random>
 #include <thread>
@@ -199,17 +200,20 @@ TEST(DirectCoupling, TheHandGetsTheWrenchOfItsOwnPoseInTheSameTickAndNobodyWaits
   };
   {
     std::atomic<bool> stop{false};
+    std::atomic<std::uint64_t> answered{0};
     std::thread server([&] {
       ToolSample pose;
       while (!stop) {
         if (!mail->tool_ready.wait(1'000'000) || !mail->tool.read(pose)) continue;
         mail->reply.write(wall.answer(pose));
         mail->reply_ready.ring();
+        answered = pose.seq;
       }
     });
     int same_tick = 0, in_contact = 0;
     for (int i = 0; i < 300; ++i) {
       tick();
+      while (answered < index) std::this_thread::yield();  // nobody keeps the grid: calm, the loop would race ahead
       const double own = std::max(0.0, -options.k * status.X_WT.p.z());
       if (own == 0) continue;
       ++in_contact;
@@ -224,6 +228,31 @@ TEST(DirectCoupling, TheHandGetsTheWrenchOfItsOwnPoseInTheSameTickAndNobodyWaits
   for (int i = 0; i < 30; ++i) tick();
   EXPECT_EQ(status.stats.ticks, before + 30);
   EXPECT_NE(status.faults & bit(Fault::wrench_stale), 0u);
+}
+
+/// A period of hours: a single wait of forty percent of it would outlast the test.
+TEST(DirectCoupling, WhileCalmItWaitsForNobody) {
+  const Rig::Options options = pressing({kImpedance, kDirect, kImplicit}, 0.02);
+  LoopConfig config = Rig::config_of(options);
+  config.rate_hz = 1e-4;
+  config.reply_wait_share = 0.4;
+  SimulatedDevice device(Rig::device_of(options), options.motion, Pose{options.start, Quat::Identity()});
+  const auto mail = std::make_unique<Mailboxes>();
+  auto loop = std::make_unique<CouplingLoop>(config, device, *mail, nullptr);
+  auto ticks = std::async(std::launch::async, [&] {
+    LoopStatus status;
+    for (std::uint64_t i = 0; i < 10; ++i) {
+      const std::int64_t now = rt::monotonic_ns();
+      loop->step({i, now, now, 10'000'000'000'000, 0});
+    }
+    mail->status.read(status);
+    return status.stats.ticks;
+  });
+  if (ticks.wait_for(std::chrono::minutes{1}) != std::future_status::ready) {
+    std::fprintf(stderr, "DirectCoupling.WhileCalmItWaitsForNobody: it waits\n");
+    std::_Exit(1);  // a future waits for its thread
+  }
+  EXPECT_EQ(ticks.get(), 10u);
 }
 
 /// Force of the hand over acceleration of the handle, moved to and fro slowly in free space: least squares for

@@ -93,5 +93,63 @@ INSTANTIATE_TEST_SUITE_P(All, DeviceFault,
                            return name;
                          });
 
+class EachMode : public ::testing::TestWithParam<DeviceMode> {};
+INSTANTIATE_TEST_SUITE_P(All, EachMode, ::testing::Values(DeviceMode::impedance, DeviceMode::pseudo_admittance),
+                         [](const auto& i) {
+                           return i.param == DeviceMode::impedance ? "Impedance" : "PseudoAdmittance";
+                         });
+
+/// Motors too hot do not make the arm calm: they pull with four fifths of what they bear for ever, and it is named.
+TEST_P(EachMode, OverheatLimitsTheForceWithoutAStepIsNamedAndTheHandIsPressedAgainOnceItIsOver) {
+  constexpr double kContinuous_n = 11, kHot_n = 0.8 * kContinuous_n, kDuration_s = 2;
+  Rig::Options options;
+  options.mode = GetParam();
+  options.motion = straight({0, 0, 0.01}, {0, 0, -0.05}, 0.5);
+  options.device = [&](SimulatedDevice::Params& p) {
+    p.arm.force_continuous_n = kContinuous_n;
+    p.arm.thermal_s = 0.5;
+    p.events = {{kBegin_s, kDuration_s, DeviceEvent::overheat}};
+  };
+  Rig rig(options);
+  const GateLimits gate = Rig::config_of(options).gate;
+  const double spring = rig.device.capabilities().spring_n_per_m;
+  while (!rig.status.engaged) rig.tick();
+  rig.run(kBegin_s - 0.1);
+  EXPECT_NEAR(rig.device.true_hand_wrench_W().force.norm(), 10, 0.1) << "it pressed when the fault came";
+  EXPECT_EQ(rig.status.faults & bit(Fault::device_alarm), 0u);
+
+  std::uint32_t faults_hot = 0;
+  double felt_hot = 0, step_max = 0;
+  Vec3 felt = rig.device.true_hand_wrench_W().force;
+  const auto watch = [&](double seconds, const auto& each) {
+    for (int i = 0; i < static_cast<int>(1e3 * seconds); ++i) {
+      const Vec3 handle = rig.device.true_X_WH().p;  // as the gate sees it
+      rig.tick();
+      const Vec3 now = rig.device.true_hand_wrench_W().force;
+      step_max = std::max(step_max, (now - felt).norm());
+      felt = now;
+      EXPECT_LE(rig.status.F_coupling_W.force.norm(), gate.force_n);
+      if (GetParam() == DeviceMode::pseudo_admittance) {
+        EXPECT_LE(spring * (rig.device.last_set_point().X_W.p - handle).norm(), gate.force_n + 1e-6);
+      }
+      EXPECT_LT(-rig.status.X_WT.p.z(), 5e-3) << "never through the wall";
+      each(i);
+    }
+  };
+  watch(0.1 + kDuration_s, [&](int i) {
+    if (i < 1100) return;  // the limit takes half a second, the hand as long
+    faults_hot |= rig.status.faults;
+    felt_hot = std::max(felt_hot, felt.norm());
+  });
+  EXPECT_NE(faults_hot & bit(Fault::device_alarm), 0u) << fault_names(faults_hot);
+  EXPECT_EQ(faults_hot & bit(Fault::wrench_stale), 0u) << "not calm";
+  EXPECT_LT(felt_hot, kHot_n + 0.2);
+  EXPECT_GT(felt_hot, kHot_n - 0.2);
+  watch(4, [](int) {});
+  EXPECT_EQ(rig.status.faults & bit(Fault::device_alarm), 0u);
+  EXPECT_NEAR(felt.norm(), 10, 0.1) << "it presses again";
+  EXPECT_LT(step_max, 0.1 * gate.force_slope_n_per_s * 1e-3) << "no bump, there or back";
+}
+
 }  // namespace
 }  // namespace tact::coupling

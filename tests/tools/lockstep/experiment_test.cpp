@@ -32,6 +32,8 @@ TEST(RunExperiment, SaysTheSameEveryTimeAndKnowsTheGoal) {
   EXPECT_EQ(report.stats.contacts_max, 25u);
   EXPECT_EQ(report.stats.ticks, static_cast<std::uint64_t>(std::lround(report.duration_s * report.rate_hz)));
   EXPECT_TRUE(report.faults.empty());
+  ASSERT_EQ(report.notes.size(), 1u);
+  EXPECT_EQ(report.notes.front().find("felt in free motion: 1.17 kg"), 0u) << report.notes.front();
 }
 
 TEST(RunExperiment, EachTickIsARowOfTheTable) {
