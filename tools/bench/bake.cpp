@@ -207,7 +207,7 @@ void bench_bake(const Effort& effort, Report& report) {
       if (cells == sizes.back()) at_largest.emplace_back(scene, ours, theirs);
     }
   }
-  report.table({"obstacle", "cells", "by", "seconds", "peak, MB", "field, MB", "largest error", "rms"}, rows);
+  report.times({"obstacle", "cells", "by", "seconds", "peak, MB", "field, MB", "largest error", "rms"}, rows);
   for (const auto& [scene, ours, theirs] : at_largest) {
     const auto ratio = [&, &a = ours, &b = theirs](const char* key) {
       return a[key].get<double>() / b[key].get<double>();

@@ -19,8 +19,8 @@ struct Chart {
   };
   std::string title, x_label, y_label;
   bool log_x = false, log_y = false;
-  std::vector<Line> lines;
-  std::vector<std::string> x_names;  ///< of x = 0, 1, ...; none: numbers
+  std::vector<Line> lines = {};
+  std::vector<std::string> x_names = {};  ///< of x = 0, 1, ...; none: numbers
 };
 
 /// Does what somebody says hold here?
