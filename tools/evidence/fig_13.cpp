@@ -61,12 +61,14 @@ void fig_13(const bench::Effort& effort, Report& report) {
                                                        bench::newtons_per_metre(cases[i].coupling_k);
   });
   std::vector<Report::Row> rows;
-  int better = 0, worse = 0;
+  int better = 0, worse = 0, contact_better = 0, contact_worse = 0;
   for (std::size_t i = 0; i < cases.size(); ++i) {
     rows.push_back({cases[i].scene, cases[i].hand, cases[i].mode, cases[i].contact, cases[i].coupling});
     if (i % 2 == 0) continue;
     better += cases[i].coupling_k > 1.2 * cases[i - 1].coupling_k ? 1 : 0;
     worse += cases[i].coupling_k < cases[i - 1].coupling_k / 1.2 ? 1 : 0;
+    contact_better += cases[i].contact_k > 1.2 * cases[i - 1].contact_k ? 1 : 0;
+    contact_worse += cases[i].contact_k < cases[i - 1].contact_k / 1.2 ? 1 : 0;
   }
   report.say("Law potential, 1 kHz, replies a tick late: the largest stable stiffness of contact and of coupling.");
   report.table({"scene", "hand", "device mode", "contact k, N/m", "coupling k, N/m"}, rows);
@@ -74,10 +76,11 @@ void fig_13(const bench::Effort& effort, Report& report) {
   report.claim(
       "the device is more stable in pseudo-admittance, because the driver's own virtual coupling limits what is felt",
       "pseudo-admittance bears the stiffer coupling in " + std::to_string(better) + " of " + std::to_string(all) +
-          " cases, impedance in " + std::to_string(worse),
-      better == all    ? bench::Holds::yes
-      : better > worse ? bench::Holds::partly
-                       : bench::Holds::no,
+          " cases, impedance in " + std::to_string(worse) + "; the stiffer contact in " +
+          std::to_string(contact_better) + ", impedance in " + std::to_string(contact_worse),
+      better + contact_better <= worse + contact_worse ? bench::Holds::no
+      : worse + contact_worse == 0                     ? bench::Holds::yes
+                                                       : bench::Holds::partly,
       "On a simulated arm, whose driver runs an inner coupling at four times the rate with gains we chose: a "
       "statement on those gains more than on Haption's.");
 }
