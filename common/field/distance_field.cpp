@@ -43,7 +43,7 @@ DistanceField DistanceField::open(const std::filesystem::path& path, std::uint64
     throw bad("voxel, band or corner");
   }
   const std::size_t coarse_bytes = field_coarse_bytes(grid);
-  if (info.stored >= CoarseEntry::kNotStored ||
+  if (info.stored > kMostStoredBlocks ||
       payload.size() != sizeof(info) + coarse_bytes + info.stored * sizeof(FieldBlock)) {
     throw bad("sizes");
   }

@@ -8,7 +8,7 @@
 
 namespace tact {
 
-/// The stored form of a DistanceField, shared by the sampler, the builder and the file (schema 3).
+/// The stored form of a DistanceField, shared by the sampler, the builder and the file (schema 4).
 ///
 /// Space is nb.x * nb.y * nb.z blocks of 8x8x8 cells. Each block has a 16-byte coarse entry; the entry of a block that
 /// the band touches names one FieldBlock.
@@ -16,13 +16,24 @@ inline constexpr int kBlockCells = 8;
 inline constexpr int kBlockCorners = kBlockCells + 1;
 inline constexpr int kBlockValues = kBlockCorners * kBlockCorners * kBlockCorners;  ///< 729
 
+/// A part of a block, 4x4x4 cells, and a lower bound of its values: level + slope.v, v in cells from its middle, in
+/// steps. An affine function that is below the values at the corners of cells is below them in the cells.
+inline constexpr int kPartCells = kBlockCells / 2;
+struct PartBound {
+  std::int16_t level = 0;
+  std::array<std::int16_t, 3> slope{};
+};
+
 /// Corner values of one block, x fastest: value_m = range_m * q / 32767. Padded to whole cache lines.
 struct alignas(64) FieldBlock {
   std::array<std::int16_t, 736> q{};
+  std::array<PartBound, 8> part{};  ///< x fastest; set by finish()
 
   static constexpr int index(int x, int y, int z) { return (z * kBlockCorners + y) * kBlockCorners + x; }
 };
-static_assert(sizeof(FieldBlock) == 1472);
+static_assert(sizeof(PartBound) == 8 && sizeof(FieldBlock) == 1536);
+/// So that every PartBound of a field has a 32-bit number.
+inline constexpr std::size_t kMostStoredBlocks = (std::size_t{1} << 31) / (sizeof(FieldBlock) / sizeof(PartBound));
 
 /// The upper half of a float: 8 bits of precision in two bytes.
 struct HalfFloat {

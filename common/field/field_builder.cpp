@@ -214,6 +214,51 @@ void spread_slopes(FieldParts& parts, const std::vector<std::uint8_t>& jumps) {
   }
 }
 
+/// The slope is the least-squares one, the level as high as the corners allow.
+PartBound part_bound(const std::int16_t* q) {
+  constexpr int n = kPartCells + 1, half = kPartCells / 2;
+  int lowest = 32767, moment[3] = {0, 0, 0};
+  const auto at = [&](int x, int y, int z) { return static_cast<int>(q[FieldBlock::index(x, y, z)]); };
+  for (int z = 0; z < n; ++z) {
+    for (int y = 0; y < n; ++y) {
+      int row = 0;
+      for (int x = 0; x < n; ++x) {
+        const int value = at(x, y, z);
+        lowest = std::min(lowest, value);
+        row += value;
+        moment[0] += (x - half) * value;
+      }
+      moment[1] += (y - half) * row;
+      moment[2] += (z - half) * row;
+    }
+  }
+  constexpr int kSquares = 2 * (1 + 4) * n * n;  // sum of (x - half)^2
+  static_assert(kPartCells == 4);
+  int slope[3], level = 32767;
+  for (int i = 0; i < 3; ++i) slope[i] = std::clamp(moment[i] / kSquares, -32767, 32767);
+  for (int z = 0; z < n; ++z) {
+    for (int y = 0; y < n; ++y) {
+      const int rest = (y - half) * slope[1] + (z - half) * slope[2];
+      for (int x = 0; x < n; ++x) level = std::min(level, at(x, y, z) - rest - (x - half) * slope[0]);
+    }
+  }
+  PartBound bound{static_cast<std::int16_t>(lowest), {}};
+  if (level >= -32767) {
+    bound.level = static_cast<std::int16_t>(level);
+    for (std::size_t i = 0; i < 3; ++i) bound.slope[i] = static_cast<std::int16_t>(slope[i]);
+  }
+  return bound;
+}
+
+void set_part_bounds(FieldParts& parts) {
+  for (FieldBlock& block : parts.blocks) {
+    for (int k = 0; k < 8; ++k) {
+      const int x = kPartCells * (k & 1), y = kPartCells * ((k >> 1) & 1), z = kPartCells * (k >> 2);
+      block.part[static_cast<std::size_t>(k)] = part_bound(block.q.data() + FieldBlock::index(x, y, z));
+    }
+  }
+}
+
 /// The affine part of a lower bound of the squared distance: d^2 - |v|^2 is the least of affine functions of v, one for
 /// each point of the boundary, so it is concave, and no affine function that is below it at the corners of a block is
 /// above it inside. The tilt fits the corners, the level is as high as they allow. All in cells.
@@ -303,6 +348,10 @@ FieldTally finish(FieldParts& parts) {
   const std::vector<std::uint8_t> jumps = find_jumps(parts);
   set_own_slopes(parts);
   drop_far_blocks(parts);
+  if (parts.blocks.size() > kMostStoredBlocks) {
+    throw SetupError("distance field: more than " + std::to_string(kMostStoredBlocks) +
+                     " blocks near the surface: choose a lower resolution");
+  }
   FieldTally tally;
   tally.stored = parts.blocks.size();
   tally.jumps = static_cast<std::size_t>(std::count(jumps.begin(), jumps.end(), std::uint8_t{1}));
@@ -316,6 +365,7 @@ FieldTally finish(FieldParts& parts) {
     }
   }
   set_bounds(parts, to_jump);
+  set_part_bounds(parts);
   for (const CoarseEntry& entry : parts.coarse) tally.doubtful += entry.doubtful() ? 1 : 0;
   return tally;
 }

@@ -8,6 +8,7 @@
 // clang-format on
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 
 #include "field/field_batch.hpp"
@@ -25,41 +26,38 @@ using VI = hn::Vec<I>;
 
 /// Of the places of a chunk.
 struct ClearanceScratch {
-  alignas(64) float f[3][kBatchChunk];           ///< place in the cell
-  alignas(64) float v[3][kBatchChunk];           ///< from the block's centre
-  alignas(64) float out_square[kBatchChunk];     ///< squared distance to the grid
-  alignas(64) float free[kBatchChunk];           ///< what the coarse entry promises where the field is positive
-  alignas(64) std::int32_t index[kBatchChunk];   ///< of the coarse entry; of the nearest place inside
-  alignas(64) std::int32_t corner[kBatchChunk];  ///< index of the cell's first corner in its block
+  alignas(64) float v[3][kBatchChunk];          ///< from the block's centre
+  alignas(64) float out_square[kBatchChunk];    ///< squared distance to the grid
+  alignas(64) float free[kBatchChunk];          ///< what the coarse entry promises where the field is positive
+  alignas(64) std::int32_t index[kBatchChunk];  ///< of the coarse entry; of the nearest place inside
   alignas(64) std::int32_t flags[kBatchChunk], slope[kBatchChunk];
-  alignas(64) std::int32_t slot[kBatchChunk];  ///< of the block to read; any where none is
+  alignas(64) std::int32_t part[kBatchChunk];  ///< number of the part of a block; any where none is stored
 };
+
+/// From a part of a block to that of the next block.
+constexpr std::int32_t kPartsApart = sizeof(FieldBlock) / sizeof(PartBound);
 
 HWY_INLINE void find_cells(const ClearanceView& field, const CellPlaces& places, ClearanceScratch& s) {
   const F d;
   const I di;
   const float* from[3] = {places.x, places.y, places.z};
   const VI row = hn::Set(di, field.row), slice = hn::Set(di, field.slice);
-  const auto nine_times = [](VI i) { return hn::Add(hn::ShiftLeft<3>(i), i); };
-  static_assert(kBlockCorners == 9);
   for (std::size_t i = 0; i < places.size; i += hn::Lanes(d)) {
     VF out = hn::Zero(d);
-    VI block[3], in_block[3];
+    VI block[3];
     for (int a = 0; a < 3; ++a) {
       const VF u = hn::LoadU(d, from[a] + i), cells = hn::Set(d, field.cells[a]);
       const VF nearest = hn::Min(hn::Max(u, hn::Zero(d)), cells);
       const VF beyond = hn::Sub(u, nearest);
       out = hn::MulAdd(beyond, beyond, out);
       const VI cell = hn::ConvertTo(di, hn::Min(nearest, hn::Sub(cells, hn::Set(d, 1.0f))));
-      block[a] = hn::ShiftRight<3>(cell), in_block[a] = hn::And(cell, hn::Set(di, kBlockCells - 1));
-      const VF f = hn::Sub(nearest, hn::ConvertTo(d, cell));
-      hn::Store(f, d, s.f[a] + i);
-      hn::Store(hn::Add(f, hn::ConvertTo(d, hn::Sub(in_block[a], hn::Set(di, kBlockCells / 2)))), d, s.v[a] + i);
+      block[a] = hn::ShiftRight<3>(cell);
+      const VI middle = hn::Add(hn::ShiftLeft<3>(block[a]), hn::Set(di, kBlockCells / 2));
+      hn::Store(hn::Sub(nearest, hn::ConvertTo(d, middle)), d, s.v[a] + i);
     }
     hn::Store(out, d, s.out_square + i);
     const VI index = hn::Add(hn::Add(hn::Mul(block[2], slice), hn::Mul(block[1], row)), block[0]);
     hn::Store(index, di, s.index + i);
-    hn::Store(hn::Add(nine_times(hn::Add(nine_times(in_block[2]), in_block[1])), in_block[0]), di, s.corner + i);
   }
 }
 
@@ -88,19 +86,24 @@ HWY_INLINE void promise_alone(const ClearanceView& field, std::size_t count, con
     const auto known = hn::And(hn::RebindMask(d, hn::TestBit(flags, positive)), hn::Gt(free, hn::LoadU(d, enough + i)));
     flags = hn::Or(flags, hn::IfThenElseZero(hn::RebindMask(di, known), not_stored));
     const VI slot = hn::And(flags, slot_mask);
+    const auto upper = [&](VF v, int part) {
+      return hn::IfThenElseZero(hn::RebindMask(di, hn::Ge(v, hn::Zero(d))), hn::Set(di, part));
+    };
+    const VI part = hn::Or(hn::Or(upper(vx, 1), upper(vy, 2)), upper(vz, 4));
     hn::Store(flags, di, s.flags + i);
     hn::Store(hn::And(zs, high), di, s.slope + i);
-    hn::Store(hn::IfThenZeroElse(hn::Eq(slot, not_stored), slot), di, s.slot + i);
+    // Without a block: the first part of all, if any.
+    const VI number = hn::Add(hn::Mul(slot, hn::Set(di, kPartsApart)), part);
+    hn::Store(hn::IfThenZeroElse(hn::Eq(slot, not_stored), number), di, s.part + i);
   }
 }
 
-/// Between two corners along x, in steps.
-HWY_INLINE VF along_x(VI both, VF fx) {
-  const F d;
-  const VF low = hn::ConvertTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(both)));
-  const VF high = hn::ConvertTo(d, hn::ShiftRight<16>(both));
-  return hn::MulAdd(fx, hn::Sub(high, low), low);
-}
+/// From the middle of the part.
+HWY_INLINE VF in_part(VF v) { return hn::Sub(v, hn::CopySign(hn::Set(F(), kPartCells / 2.0f), v)); }
+
+/// The halves of words as numbers.
+HWY_INLINE VF low_half(VI words) { return hn::ConvertTo(F(), hn::ShiftRight<16>(hn::ShiftLeft<16>(words))); }
+HWY_INLINE VF high_half(VI words) { return hn::ConvertTo(F(), hn::ShiftRight<16>(words)); }
 
 void clear_chunk(const ClearanceView& field, const CellPlaces& places, const float* enough, float* clearance) {
   ClearanceScratch s;
@@ -112,7 +115,7 @@ void clear_chunk(const ClearanceView& field, const CellPlaces& places, const flo
            face_slack = hn::Set(d, field.face_slack);
   const VI no_slot = hn::Set(di, static_cast<std::int32_t>(CoarseEntry::kNotStored));
   const VI inside_bit = hn::Set(di, static_cast<std::int32_t>(CoarseEntry::kInside));
-  // Where no place needs corners there may be no block at all.
+  // Where no place needs a block there may be none at all.
   auto far = hn::Eq(no_slot, no_slot);
   for (std::size_t i = 0; i < places.size; i += hn::Lanes(d)) {
     far = hn::And(far, hn::Eq(hn::And(hn::Load(di, s.flags + i), no_slot), no_slot));
@@ -123,15 +126,12 @@ void clear_chunk(const ClearanceView& field, const CellPlaces& places, const flo
     const VI flags = hn::Load(di, s.flags + i);
     VF clear = hn::IfThenElse(hn::RebindMask(d, hn::TestBit(flags, inside_bit)), minus_band, free);
     if (!all_far) {
-      const VF fx = hn::Load(d, s.f[0] + i), fy = hn::Load(d, s.f[1] + i), fz = hn::Load(d, s.f[2] + i);
-      VI p00, p10, p01, p11;
-      const auto row = [&](std::size_t k) {
-        return corner_row(field.blocks[s.slot[i + k]].q.data() + s.corner[i + k]);
-      };
-      transpose_rows(di, row, p00, p10, p01, p11);
-      const VF x00 = along_x(p00, fx), x10 = along_x(p10, fx), x01 = along_x(p01, fx), x11 = along_x(p11, fx);
-      const VF y0 = hn::MulAdd(fy, hn::Sub(x10, x00), x00), y1 = hn::MulAdd(fy, hn::Sub(x11, x01), x01);
-      const VF value = hn::Mul(step, hn::MulAdd(fz, hn::Sub(y1, y0), y0));
+      VI level_x, y_z;
+      transpose_pairs(di, field.parts, s.part + i, level_x, y_z);
+      VF bound = hn::MulAdd(high_half(level_x), in_part(hn::Load(d, s.v[0] + i)), low_half(level_x));
+      bound = hn::MulAdd(low_half(y_z), in_part(hn::Load(d, s.v[1] + i)), bound);
+      bound = hn::MulAdd(high_half(y_z), in_part(hn::Load(d, s.v[2] + i)), bound);
+      const VF value = hn::Mul(step, bound);  // not less is the field there
       const VF slope = hn::BitCast(d, hn::Load(di, s.slope + i));
       const VF near = hn::Mul(hn::Sub(value, face_slack), slope);
       const auto stored = hn::RebindMask(d, hn::Ne(hn::And(flags, no_slot), no_slot));
@@ -158,7 +158,8 @@ HWY_EXPORT(clear_chunk);
 ClearanceView::ClearanceView(const DistanceField& field) noexcept {
   const BatchView view = BatchAccess::view(field);
   coarse = view.coarse;
-  blocks = view.blocks;
+  parts =
+      reinterpret_cast<const PartBound*>(reinterpret_cast<const std::byte*>(view.blocks) + offsetof(FieldBlock, part));
   for (int a = 0; a < 3; ++a) cells[a] = static_cast<float>(view.cells[a]);
   row = view.row, slice = view.slice;
   band = static_cast<float>(view.band_m / view.voxel_m);

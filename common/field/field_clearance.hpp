@@ -21,18 +21,19 @@ struct ClearanceView {
   explicit ClearanceView(const DistanceField& field) noexcept;
 
   const CoarseEntry* coarse;
-  const FieldBlock* blocks;
+  const PartBound* parts;  ///< of the first block
   float cells[3];
   std::int32_t row, slice;  ///< strides of coarse entries
   float band, step, face_slack, far_slack;
 };
 
 /// What a traversal culls by: no sample is negative nearer to place i than clearance[i] - kClearanceSlack, in cells, as
-/// DistanceField::probe promises it in metres; single precision, so that twice as many fit a vector. How exactly the
-/// places are rounded is the caller's to know.
+/// DistanceField::probe promises it in metres, but of a stored block no corners are read: the bound of the values of a
+/// part of it (PartBound) stands for the value. Where the surface is flat that is the same to rounding. Single
+/// precision, so that twice as many fit a vector. How exactly the places are rounded is the caller's to know.
 ///
 /// Who asks only whether the clearance is more than enough[i] says so: where the coarse entry alone promises it,
-/// corners are not looked at, and clearance[i] is that promise. Real-time.
+/// no more is looked at, and clearance[i] is that promise. Real-time.
 /// @pre places finite and less than 1e9 cells away
 void clearances(const ClearanceView& field, const CellPlaces& places, const float* enough, float* clearance) noexcept;
 

@@ -5,7 +5,7 @@
 namespace tact {
 
 /// Payload of a field file: FieldFileInfo, coarse entries (padded to 64 bytes), blocks.
-inline constexpr SealedKind kFieldKind{{'F', 'E', 'L', 'D'}, 3, "distance field"};
+inline constexpr SealedKind kFieldKind{{'F', 'E', 'L', 'D'}, 4, "distance field"};
 inline constexpr int kMostBlocksPerSide = 1024;
 
 struct FieldFileInfo {

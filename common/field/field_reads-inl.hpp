@@ -62,6 +62,54 @@ HWY_INLINE FieldRow corner_row(const std::int16_t* q) {
 #endif
 }
 
+/// The two words of each lane as two vectors, in registers too. `index`: of the lanes, in `from`.
+template <class DI, class V = hwy::HWY_NAMESPACE::Vec<DI>>
+HWY_INLINE void transpose_pairs(DI d, const PartBound* from, const std::int32_t* index, V& v0, V& v1) {
+  namespace hn = hwy::HWY_NAMESPACE;
+  constexpr std::size_t kLanes = hn::MaxLanes(DI());  // x86: the size of a vector is known
+  static_assert(sizeof(PartBound) == 8);
+  if constexpr (kLanes < 4) {
+    std::int32_t first[kLanes], second[kLanes];
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      std::int32_t words[2];
+      std::memcpy(words, from + index[k], sizeof words);
+      first[k] = words[0], second[k] = words[1];
+    }
+    v0 = hn::LoadU(d, first), v1 = hn::LoadU(d, second);
+  } else {
+#if HWY_TARGET != HWY_SCALAR
+    const hn::Repartition<std::uint64_t, DI> d64;
+    const hn::CappedTag<std::uint64_t, 2> d2;
+    const hn::CappedTag<std::uint64_t, 1> d1;
+    const auto one = [&](std::size_t k) {
+      std::uint64_t words;
+      std::memcpy(&words, from + index[k], sizeof words);
+      return hn::Set(d1, words);
+    };
+    // Lanes k, k + 2 and, four by four, those behind.
+    const auto blocks = [&](std::size_t k) {
+      const auto low = hn::Combine(d2, one(k + 2), one(k));
+      if constexpr (kLanes == 4) {
+        return low;
+      } else {
+        const hn::CappedTag<std::uint64_t, 4> d4;
+        const auto two = hn::Combine(d4, hn::Combine(d2, one(k + 6), one(k + 4)), low);
+        if constexpr (kLanes == 8) {
+          return two;
+        } else {
+          const auto high =
+              hn::Combine(d4, hn::Combine(d2, one(k + 14), one(k + 12)), hn::Combine(d2, one(k + 10), one(k + 8)));
+          return hn::Combine(d64, high, two);
+        }
+      }
+    };
+    const auto even = blocks(0), odd = blocks(1);
+    v0 = hn::OddEven(hn::BitCast(d, hn::ShiftLeft<32>(odd)), hn::BitCast(d, even));
+    v1 = hn::OddEven(hn::BitCast(d, odd), hn::BitCast(d, hn::ShiftRight<32>(even)));
+#endif
+  }
+}
+
 /// The four words of each lane's row as four vectors. In registers: what is stored in parts and read back whole has to
 /// wait for the stores. row(lane) gives a row.
 template <class DI, class Row, class V = hwy::HWY_NAMESPACE::Vec<DI>>

@@ -17,6 +17,7 @@ void bench_stability(const Effort& effort, Report& report);
 void bench_judgement(const Effort& effort, Report& report);
 void bench_work(const Effort& effort, Report& report);
 void bench_growth(const Effort& effort, Report& report);
+void bench_limit(const Effort& effort, Report& report);
 void bench_start(const Effort& effort, Report& report);
 void bench_accuracy(const Effort& effort, Report& report);
 void bench_cluster(const Effort& effort, Report& report);

@@ -24,6 +24,7 @@ constexpr Benchmark kBenchmarks[] = {
     {"judgement", "Laws at equal stability margin: depth, force steps, net stiffness", tact::bench::bench_judgement},
     {"work", "Work of the contact wrench round closed paths, by law", tact::bench::bench_work},
     {"growth", "Tick time by points, voxels and contacts", tact::bench::bench_growth},
+    {"limit", "What memory and clock allow a sample and a tick, and how near they are", tact::bench::bench_limit},
     {"start", "Files in the cache to first wrench", tact::bench::bench_start},
     {"accuracy", "Time and error by resolution, points and law", tact::bench::bench_accuracy},
     {"cluster", "Contacts that law cluster leaves, by distance", tact::bench::bench_cluster},
