@@ -7,6 +7,7 @@
 #include <set>
 
 #include "fault/fault.hpp"
+#include "math/exp_log.hpp"
 
 namespace tact::lockstep {
 namespace {
@@ -100,6 +101,49 @@ TEST(Lockstep, AFlatFaceRestsAtTheDepthOfItsClosedForm) {
       EXPECT_NEAR(rig.trace().F_contact_W.force.z(), kForce_n, 0.01) << law;
       const double depth = kForce_n / (net_over_k(law) * k);
       EXPECT_NEAR(rig.trace().max_depth_m, depth, 0.01 * depth) << law << ' ' << mode;
+    }
+  }
+}
+
+/// The contact server's own field, points and law. In impedance the hand presses askew, so that torques are in it too;
+/// in pseudo-admittance the arm's own spring for turns depends on the rate (driver_spring), and with it where they
+/// rest.
+TEST(Lockstep, OneSceneRestsAtTheSamePoseAndWrenchAtEveryRate) {
+  constexpr double kForceTolerance = 2e-3, kDepthTolerance = 2e-3, kPose_m = 5e-6, kPose_rad = 1e-4;
+  for (const int points : {9, 100}) {
+    for (const std::string law : {"potential", "adaptive-6dof", "global"}) {
+      for (const char* mode : {"pseudo-admittance", "impedance"}) {
+        Pose X_rest;
+        Wrench F_rest;
+        double depth_rest_m = 0;
+        for (const double rate_hz : {1000.0, 500.0, 2000.0, 4000.0}) {
+          Experiment setup = setup_of(flat_face(points));
+          setup.session.machine.mode = mode;
+          setup.session.machine.rate_hz = rate_hz;
+          setup.session.scene.contact.law = law;
+          setup.session.scene.contact.damping_ratio = 0.2;
+          if (setup.session.machine.mode == "impedance") setup.motion_WM.X_WM.back().q = exp_so3({0.05, -0.03, 0.02});
+          Lockstep rig(setup);
+          ASSERT_TRUE(rig.run_script(3));
+          const TickTrace& t = rig.trace();
+          if (rate_hz == 1000) {
+            X_rest = t.X_WT;
+            F_rest = t.F_contact_W;
+            depth_rest_m = t.max_depth_m;
+            EXPECT_GT(F_rest.force.norm(), 9);
+            continue;
+          }
+          const std::string where = std::to_string(points) + " points, " + law + ", " + mode + ", " +
+                                    std::to_string(static_cast<int>(rate_hz)) + " Hz";
+          const Vec6 apart = displacement(X_rest, t.X_WT);
+          EXPECT_LT(apart.head<3>().norm(), kPose_m) << where;
+          EXPECT_LT(apart.tail<3>().norm(), kPose_rad) << where;
+          EXPECT_LT((t.F_contact_W.force - F_rest.force).norm(), kForceTolerance * F_rest.force.norm()) << where;
+          EXPECT_LT((t.F_contact_W.torque - F_rest.torque).norm(), kForceTolerance * F_rest.force.norm() * 0.02)
+              << where;
+          EXPECT_NEAR(t.max_depth_m, depth_rest_m, kDepthTolerance * depth_rest_m) << where;
+        }
+      }
     }
   }
 }
