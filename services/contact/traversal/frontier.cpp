@@ -42,31 +42,38 @@ HWY_INLINE void append_one(Family family, const Hierarchy& all, Frontier& to) {
 
 void append_family(Family family, const Hierarchy& all, Frontier& to) { append_one(family, all, to); }
 
-/// Writes the ids of nodes whose clearance is not more than the limit, side by side. Returns how many there are.
+/// Writes the ids of nodes whose clearance is not more than limit(node), side by side. Returns how many there are.
 template <class Limit>
 HWY_INLINE std::size_t pick(const Cleared& nodes, Limit limit, std::uint32_t* HWY_RESTRICT out) {
+  std::size_t size = 0;
+#if HWY_TARGET <= HWY_AVX3
   const F d;
   const U du;
-  std::size_t size = 0;
   for (std::size_t i = 0; i < nodes.count; i += hn::Lanes(d)) {
-    const auto clear = hn::Gt(hn::LoadU(d, nodes.clear + i), limit(i));
+    const auto clear = hn::Gt(hn::LoadU(d, nodes.clear + i), limit(d, i));
     const auto picked = hn::And(hn::Not(clear), hn::FirstN(d, nodes.count - i));
     hn::StoreU(hn::Compress(hn::LoadU(du, nodes.id + i), hn::RebindMask(du, picked)), du, out + size);
     size += hn::CountTrue(d, picked);
   }
+#else  // without an instruction for it, Highway copies a table each time
+  const hn::CappedTag<float, 1> d;
+  for (std::size_t i = 0; i < nodes.count; ++i) {
+    out[size] = nodes.id[i];
+    size += nodes.clear[i] > hn::GetLane(limit(d, i)) ? 0 : 1;
+  }
+#endif
   return size;
 }
 
 void part_nodes(const Cleared& nodes, float slack, Candidates& candidates) {
-  const auto limit = hn::Set(F(), slack);
-  candidates.size += pick(
-      nodes, [&](std::size_t) { return limit; }, candidates.id.data() + candidates.size);
+  const auto limit = [&](auto d, std::size_t) { return hn::Set(d, slack); };
+  candidates.size += pick(nodes, limit, candidates.id.data() + candidates.size);
 }
 
 void descend_nodes(const Cleared& nodes, const Hierarchy& all, Frontier& next) {
   std::uint32_t open[kChunk + kBeyond];
-  const std::size_t count = pick(
-      nodes, [&](std::size_t i) { return hn::LoadU(F(), nodes.needed + i); }, open);
+  const auto limit = [&](auto d, std::size_t i) { return hn::LoadU(d, nodes.needed + i); };
+  const std::size_t count = pick(nodes, limit, open);
   for (std::size_t k = 0; k < count; ++k) {
     if (open[k] < all.families.size()) append_one(all.families[open[k]], all, next);
   }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <hwy/targets.h>
+
 #include "contact/contact_set.hpp"
 #include "contact/response/assemble.hpp"
 
@@ -51,6 +53,19 @@ TEST(Adaptive, EqualsTheDoubleSumForScatteredNormals) {
   std::mt19937 rng(3);
   for (const double epsilon : {1e-4, 0.01, 0.3, 2.0})
     expect_equal_to_brute_force(test::random_contacts(rng, 400), epsilon);
+}
+
+TEST(Adaptive, EveryInstructionSetEqualsTheDoubleSum) {
+  std::mt19937 rng(14);
+  const ContactSet set = test::random_contacts(rng, 400, 5, 0.01);
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    SCOPED_TRACE(hwy::TargetName(target));
+    expect_equal_to_brute_force(set, 0.01);
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
 TEST(Adaptive, EqualsTheDoubleSumForClustersOfEverySpread) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <hwy/targets.h>
+
 #include <map>
 
 #include "contact/hierarchy.hpp"
@@ -76,6 +78,37 @@ TEST(Traversal, FindsExactlyWhatBruteForceFinds) {
   }
   EXPECT_GT(touching, 200u);
   EXPECT_LT(visited, all / 2);  // it does skip
+}
+
+TEST(Traversal, EveryInstructionSetFindsTheSameContactsBitForBit) {
+  std::mt19937 rng(40);
+  const auto shell = std::make_shared<const Pointshell>(test::cube_shell(rng, 2000, 0.02));
+  for (const DistanceField& field : {sphere_field(), box_field(), plate_field()}) {
+    Traversal traversal(field, shell);
+    ContactBuffer first(shell->size()), contacts(shell->size());
+    for (int trial = 0; trial < 40; ++trial) {
+      const Pose X_OT = random_pose(rng, 0.06);
+      bool is_first = true;
+      for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+        hwy::SetSupportedTargetsForTest(target);
+        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+        traversal.find(X_OT, is_first ? first : contacts);
+        if (std::exchange(is_first, false)) continue;
+        ASSERT_EQ(contacts.size, first.size) << hwy::TargetName(target);
+        for (std::size_t k = 0; k < first.size; ++k) {
+          ASSERT_EQ(contacts.point_id[k], first.point_id[k]);
+          ASSERT_EQ(contacts.depth_m[k], first.depth_m[k]);
+          ASSERT_EQ(contacts.r[k], first.r[k]);
+          ASSERT_EQ(contacts.N[k], first.N[k]);
+          ASSERT_EQ(contacts.g[k], first.g[k]);
+          ASSERT_EQ(contacts.flags[k], first.flags[k]);
+        }
+      }
+      hwy::SetSupportedTargetsForTest(0);
+      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+      ASSERT_EQ(first.size, brute_force(field, *shell, X_OT).size());
+    }
+  }
 }
 
 TEST(Traversal, NoPointIsNearerThanTheClearance) {
