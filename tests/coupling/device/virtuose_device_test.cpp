@@ -306,7 +306,10 @@ TEST_P(Lying, IsRefusedAtOnceNamedAndEndsTheEngagementWithinTwentyTicks) {
   ASSERT_TRUE(rig.until([](const auto& r) { return !r.trusted; }));
   int refused = 0;
   EXPECT_TRUE(rig.until([&](const auto& r) {
-    EXPECT_LT(displacement(before, r.X_WH).norm(), 0.01) << "the last good pose stands";
+    // Where a starved machine made the arm let go first, nobody is held and the arm may be anywhere.
+    if (r.engaged) {
+      EXPECT_LT(displacement(before, r.X_WH).norm(), 0.01) << "the last good pose stands";
+    }
     EXPECT_EQ(r.faults & bit(Fault::device_data), r.faults);
     ++refused;
     return !r.engaged;

@@ -1,6 +1,7 @@
 #include "evidence/page.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <iterator>
@@ -19,7 +20,8 @@ std::string slurp(const std::filesystem::path& file) {
 class PageTest : public ::testing::Test {
  protected:
   ~PageTest() override { std::filesystem::remove_all(dir_); }
-  const std::filesystem::path dir_ = std::filesystem::path(::testing::TempDir()) / "tact-page-test";
+  const std::filesystem::path dir_ =  // tests run side by side
+      std::filesystem::path(::testing::TempDir()) / ("tact-page-test-" + std::to_string(getpid()));
 };
 
 TEST(Base64, IsThatOfRfc4648) {
