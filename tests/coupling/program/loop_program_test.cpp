@@ -124,30 +124,38 @@ TEST_P(LoopProgramInMode, ARecordedSessionReplaysBitForBitAndItsPlaybackGivesThe
   program_.session.run.hand_csv.clear();
   program_.session.run.record = played;
   program_.save();
-  {
-    auto coupling = program_.start(TACT_COUPLING, "coupling2");
-    ASSERT_TRUE(state_shows([&](const auto& s) { return s.epoch != state_.epoch || done(s); })) << coupling.output();
-    ASSERT_TRUE(state_shows([](const auto& s) { return done(s) && std::string(s.device) == "playback"; }))
-        << coupling.output();
-    coupling.signal(SIGTERM);
-    ASSERT_EQ(coupling.wait(20s), 0) << coupling.output();
-  }
-  const auto was = felt(recorded, false), is = felt(played, true);
   double largest = 0, largest_ever = 0, strongest = 0;
-  int alike = 0, compared = 0;
-  for (const auto& [tick, now] : is) {
-    const auto then = was.find(tick);
-    if (then == was.end()) continue;
-    const double apart = (now.force_n - then->second.force_n).norm();
-    largest_ever = std::max(largest_ever, apart);
-    alike = now.lag == then->second.lag ? alike + 1 : 0;
-    if (alike <= 62) continue;
-    ++compared;
-    largest = std::max(largest, apart);
-    strongest = std::max(strongest, then->second.force_n.norm());
+  int compared = 0;
+  std::size_t ticks = 0;
+  // On a machine so busy that replies come differently every quarter of a second, once more.
+  for (int attempt = 0; attempt < 4 && compared <= 100; ++attempt) {
+    {
+      auto coupling = program_.start(TACT_COUPLING, "coupling2-" + std::to_string(attempt));
+      const std::uint64_t before = state_.epoch;
+      ASSERT_TRUE(state_shows([&](const auto& s) {
+        return s.epoch != before && done(s) && std::string(s.device) == "playback";
+      })) << coupling.output();
+      coupling.signal(SIGTERM);
+      ASSERT_EQ(coupling.wait(20s), 0) << coupling.output();
+    }
+    const auto was = felt(recorded, false), is = felt(played, true);
+    ticks = is.size();
+    largest = largest_ever = strongest = 0;
+    int alike = compared = 0;
+    for (const auto& [tick, now] : is) {
+      const auto then = was.find(tick);
+      if (then == was.end()) continue;
+      const double apart = (now.force_n - then->second.force_n).norm();
+      largest_ever = std::max(largest_ever, apart);
+      alike = now.lag == then->second.lag ? alike + 1 : 0;
+      if (alike <= 62) continue;
+      ++compared;
+      largest = std::max(largest, apart);
+      strongest = std::max(strongest, then->second.force_n.norm());
+    }
   }
   std::printf("%s: playback against recording, %d of %zu ticks compared: %.4f N apart at most, %.2f N anywhere\n",
-              GetParam(), compared, is.size(), largest, largest_ever);
+              GetParam(), compared, ticks, largest, largest_ever);
   EXPECT_GT(compared, 100);
   EXPECT_GT(strongest, 9.5);
   EXPECT_LT(largest, 0.1);
