@@ -14,7 +14,7 @@ namespace {
 using bench::number;
 using bench::Report;
 
-/// The insertion by a hand that leans: the same way, but half a centimetre aside while between the pipes.
+/// The insertion by a hand that leans: the same way, but up to `aside_m` beside it between start and seat.
 HandMotion leaning(const bench::LoadedScene& scene, const Vec3& aside_m) {
   HandMotion motion = load_hand_motion(scene.spec.scripts.at("insert").hand_csv);
   const double length = motion.time_s.back();
@@ -68,7 +68,7 @@ void fig_10(const bench::Effort& effort, Report& report) {
   const auto add = [&](const std::string& script, const std::string& name, bool saturation, bool follow) {
     Run run{script, name, !saturation ? "unsaturated" : follow ? "F_max follows k" : "saturated", {}};
     run.setup = experiment_of(scene, script == "cheat" ? "cheat" : "insert");
-    if (script == "lean") run.setup.motion_WM = leaning(scene, Vec3(0, 0, 0.006));
+    if (script == "lean") run.setup.motion_WM = leaning(scene, Vec3(0.012, 0, 0));
     law(name)(run.setup);
     run.setup.session.scene.contact.x_max_voxels = 0.5;
     run.setup.session.scene.coupling.saturation = saturation;

@@ -22,17 +22,26 @@ struct Error {
   double path_rms_m = 0, rest_m = 0, force_n = 0;
 };
 
-/// Against the same run in finer steps; ticks of both end at common times.
-Error against(const Played& run, const Played& fine, double radius_m) {
+/// The tick in which the script ended.
+std::ptrdiff_t end_of_script(const Played& run) {
+  const auto done = std::find_if(run.ticks.begin(), run.ticks.end(), [](const auto& tick) { return tick.script_done; });
+  return done - run.ticks.begin();
+}
+
+/// Against the same run in finer steps, at equal times of the script: becoming live takes ticks, not seconds.
+Error against(const Played& run, double rate_hz, const Played& fine, double fine_hz, double radius_m) {
   Error error;
-  const std::size_t step = fine.ticks.size() / run.ticks.size();
-  const std::size_t count = std::min(run.ticks.size(), fine.ticks.size() / step);
-  double sum = 0;
-  for (std::size_t n = 0; n < count; ++n) {
-    const double d = apart_m(run.ticks[n].X_WT, fine.ticks[(n + 1) * step - 1].X_WT, radius_m);
+  const std::ptrdiff_t done = end_of_script(run), fine_done = end_of_script(fine);
+  double sum = 0, count = 0;
+  for (std::ptrdiff_t n = 0; n < static_cast<std::ptrdiff_t>(run.ticks.size()); ++n) {
+    const std::ptrdiff_t m = fine_done + std::llround(static_cast<double>(n - done) * fine_hz / rate_hz);
+    if (m < 0 || m >= static_cast<std::ptrdiff_t>(fine.ticks.size())) continue;
+    const double d =
+        apart_m(run.ticks[static_cast<std::size_t>(n)].X_WT, fine.ticks[static_cast<std::size_t>(m)].X_WT, radius_m);
     sum += d * d;
+    ++count;
   }
-  error.path_rms_m = std::sqrt(sum / static_cast<double>(count));
+  error.path_rms_m = std::sqrt(sum / count);
   const auto &last = run.ticks.back(), &last_fine = fine.ticks.back();
   error.rest_m = apart_m(last.X_WT, last_fine.X_WT, radius_m);
   error.force_n = (last.F_contact_W.force - last_fine.F_contact_W.force).norm();
@@ -84,14 +93,13 @@ void rates(const bench::Effort& effort, Report& report) {
                       true,
                       true,
                       {}};
-  double best_share = 1;
   for (const std::string& name : some) {
     const auto finest = static_cast<std::size_t>(
         std::find_if(runs.begin(), runs.end(), [&](const Run& r) { return r.law == name && r.rate_hz == kFinest_hz; }) -
         runs.begin());
     for (std::size_t i = 0; i < runs.size(); ++i) {
       if (runs[i].law != name || i == finest) continue;
-      const Error error = against(played[i], played[finest], radius_m);
+      const Error error = against(played[i], runs[i].rate_hz, played[finest], kFinest_hz, radius_m);
       rows.push_back({name, runs[i].integrator, number(runs[i].rate_hz), number(error.path_rms_m / voxel),
                       number(error.rest_m / voxel), number(error.force_n)});
       const double us = cost_us(setups[i]);
@@ -101,7 +109,6 @@ void rates(const bench::Effort& effort, Report& report) {
       if (pareto.lines.empty() || pareto.lines.back().name != runs[i].integrator)
         pareto.lines.push_back({runs[i].integrator, {}});
       pareto.lines.back().points.push_back({load, error.path_rms_m / voxel});
-      best_share = std::min(best_share, error.path_rms_m / voxel);
     }
   }
   report.say("Peg press, replies at once, against the implicit run at " + number(kFinest_hz) +
