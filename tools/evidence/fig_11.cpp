@@ -1,4 +1,6 @@
 // [P] fig. 11: a hydraulic actuator against wires two voxels thick.
+#include <algorithm>
+
 #include "bench/presses.hpp"
 #include "evidence/experiments.hpp"
 #include "evidence/play.hpp"
@@ -55,12 +57,21 @@ void fig_11(const bench::Effort& effort, Report& report) {
   }
   report.chart(chart);
   const double global = played[1].quasi_static_voxels(), six = played[3].quasi_static_voxels();
+  // Of the runs at half a voxel: saturated ones first, then those without.
   std::string passed;
-  for (std::size_t i = 0; i < laws().size(); ++i) {
-    if (played[i].report.goal_reached) passed += (passed.empty() ? "" : ", ") + laws()[i];
+  const std::size_t count = std::min(played.size(), 2 * laws().size());
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!played[i].report.goal_reached) continue;
+    if (!passed.empty()) passed += ", ";
+    passed += laws()[i % laws().size()];
+    if (i >= laws().size()) passed += " unsaturated";
   }
-  const bool held = !played[3].report.goal_reached && six < 0.5;
-  const bool global_fails = played[1].report.goal_reached || global > 0.5;
+  const auto passes = [&](std::size_t law_index) {
+    bool any = false;
+    for (std::size_t i = law_index; i < count; i += laws().size()) any = any || played[i].report.goal_reached;
+    return any;
+  };
+  const bool held = !passes(3) && six < 0.5, global_fails = passes(1) || global > 0.5;
   report.claim(
       "n = 128: under global scaling the wire is passed; with 6-DoF scaling and saturation depth stays under half "
       "a voxel",
@@ -70,10 +81,10 @@ void fig_11(const bench::Effort& effort, Report& report) {
       held && global_fails ? bench::Holds::yes
       : held               ? bench::Holds::partly
                            : bench::Holds::no,
-      passed.empty() ? "Saturation holds every law here; what differs is how deep. A wire's own middle is a voxel "
-                       "deep, so half a voxel leaves little: the scene ships with x_max of a quarter."
-                     : "The wires are 5.6 mm thick, " + number(5.6e-3 / voxel) +
-                           " voxels here: their middle is so shallow that half a voxel is most of the way through.");
+      voxel < 4e-3 ? "Saturation holds every law here; what differs is how deep. A wire's own middle is a voxel "
+                     "deep, so half a voxel leaves little: the scene ships with x_max of a quarter."
+                   : "The wires are 5.6 mm thick, " + number(5.6e-3 / voxel) +
+                         " voxels here: their middle is so shallow that half a voxel is most of the way through.");
 }
 
 }  // namespace tact::evidence
