@@ -5,7 +5,6 @@
 
 #include <fstream>
 #include <iterator>
-#include <regex>
 
 #include "fault/fault.hpp"
 
@@ -58,10 +57,11 @@ TEST_F(PageTest, NeedsNoOtherFileAndShowsAllThatWasSaid) {
   EXPECT_LT(page.find("between"), page.find("times: another machine")) << "in the order in which it was said";
   EXPECT_EQ(slurp(dir_ / "data" / "fig-2-1.csv"), "law,k\r\nnone,\"1,5\"\r\n");
   EXPECT_EQ(slurp(dir_ / "data" / "fig-2-2.csv"), "law,us\r\nnone,3\r\n");
-  const std::regex reference("(src|href)=\"([^\"]*)\"");
-  for (std::sregex_iterator it(page.begin(), page.end(), reference), end; it != end; ++it) {
-    const std::string target = (*it)[2];
-    EXPECT_TRUE(target.starts_with("data:") || target.starts_with("#")) << target.substr(0, 80);
+  for (const std::string attribute : {"src=\"", "href=\""}) {
+    for (std::size_t at = page.find(attribute); at != std::string::npos; at = page.find(attribute, at + 1)) {
+      const std::string target = page.substr(at + attribute.size(), 80);
+      EXPECT_TRUE(target.starts_with("data:") || target.starts_with("#")) << target;
+    }
   }
 }
 
