@@ -11,7 +11,9 @@ void bench_cluster(const Effort& effort, Report& report) {
   double at_half = 0, at_two = 0;
   for (const std::string name : {"engine", "landing-gear"}) {
     if (effort.quick && name == "landing-gear") continue;
-    const LoadedScene scene = load_scene_by_name(name);
+    const LoadedScene scene = load_scene_by_name(name, [&](SceneSpec& spec) {
+      if (effort.quick) spec.field_resolution = 512;
+    });
     const double voxel = scene.field.voxel_m();
     const auto near = poses_along(scene, "cheat", 40000, 2 * voxel, 0.05, 29);
     const auto poses = with_contacts(scene, near, 70, 86, effort.scaled(50), 2 * voxel);
