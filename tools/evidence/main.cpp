@@ -32,11 +32,10 @@ int run_report(int argc, char** argv) {
       ->required()
       ->type_name("DIR");
   app.add_flag("--quick", effort.quick, "Coarser scenes and fewer cases: a minute or two for all");
-  app.footer(
-      list_of_experiments() +
-      "Tables are the same on every machine, except those of times. A full run takes about an hour on two cores\n"
-      "and bakes what is not yet in the cache.\n"
-      "Examples:\n  tact report --quick --out evidence\n  tact report fig-2 fig-7 --out evidence");
+  app.footer(list_of_experiments() +
+             "Tables are the same on every machine, except those of times. A full run takes half an hour or so\n"
+             "and bakes what is not yet in the cache.\n"
+             "Examples:\n  tact report --quick --out evidence\n  tact report fig-2 fig-7 --out evidence");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {
