@@ -81,7 +81,7 @@ void fig_11(const bench::Effort& effort, Report& report) {
       held && global_fails ? bench::Holds::yes
       : held               ? bench::Holds::partly
                            : bench::Holds::no,
-      voxel < 4e-3 ? "Saturation holds every law here; what differs is how deep. A wire's own middle is a voxel "
+      voxel < 4e-3 ? "What differs is how deep. A wire's own middle is a voxel "
                      "deep, so half a voxel leaves little: the scene ships with x_max of a quarter."
                    : "The wires are 5.6 mm thick, " + number(5.6e-3 / voxel) +
                          " voxels here: their middle is so shallow that half a voxel is most of the way through.");

@@ -81,7 +81,7 @@ void fig_3(const bench::Effort& effort, Report& report) {
                             : bench::Holds::no,
       adaptive < 0.5 ? "Under half a voxel here, as [P] asks."
                      : "The cone wedges itself between two plates, which multiplies the 10 N of the coupling: "
-                       "half a voxel is exceeded by every law at this stiffness.");
+                       "half a voxel is exceeded by adaptive-6dof at this stiffness.");
 }
 
 }  // namespace tact::evidence

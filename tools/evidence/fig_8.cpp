@@ -75,7 +75,9 @@ void fig_8(const bench::Effort& effort, Report& report) {
       : held          ? bench::Holds::partly
                       : bench::Holds::no,
       "The strands are about 3 voxels (1.5 mm) too near on each side, so 500 N/m a contact cannot resist more "
-      "than a few newton under any law; adaptive scaling needs about twice the pull of global scaling.");
+      "than a few newton under any law; adaptive scaling needs " +
+          number(soft[3].report.stats.pull_max_n / soft[1].report.stats.pull_max_n) +
+          " times the pull of global scaling.");
 }
 
 }  // namespace tact::evidence
