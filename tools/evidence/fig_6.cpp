@@ -119,8 +119,8 @@ void fig_6(const bench::Effort& effort, Report& report) {
         "O(n^2), yet collision detection dominates to n = 200, where scaling takes 25.6 % of the time",
         "O(n); adaptive-6dof takes " + number(share_200) + " % at n = 200",
         share_200 <= 25.6 ? bench::Holds::yes : bench::Holds::partly,
-        "The quadratic cost is not needed: normals farther apart than eps do not meet, so cells of the Gauss map "
-        "are summed by moments.");
+        "The quadratic cost is not needed: normals farther apart than eps do not meet, so a tree of boxes over the "
+        "Gauss map visits few pairs.");
   }
 }
 

@@ -40,7 +40,7 @@ std::unique_ptr<Law> make_law(std::string_view name, const LawParams& params, co
     require(params.lever_floor_m > 0, "lever_floor_m", params.lever_floor_m, "more than 0");
     if (name == "adaptive-3dof") return std::make_unique<Adaptive3Dof>(shell, params.epsilon);
     if (params.lever_unit_m > 0) {
-      // What is farther than that is divided into cells whose number would overflow.
+      // Longer directions would be rounded by more than 1e-10 of the usual epsilon.
       require(params.lever_unit_m >= 1e-4 * shell.bounding_radius_m, "lever_unit_m", params.lever_unit_m,
               "0, or the tool's radius over 10000 or more");
     } else {

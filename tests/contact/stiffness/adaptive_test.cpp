@@ -83,6 +83,27 @@ TEST(Adaptive, EqualsTheDoubleSumOnAFlatFaceAndWithZeroTorque) {
   expect_equal_to_brute_force(set, 0.01);
 }
 
+TEST(Adaptive, EqualsTheDoubleSumWhereverTheLastBlockEnds) {
+  std::mt19937 rng(15);
+  for (const int n : {1, 2, 7, 8, 9, 63, 64, 65, 511, 512, 513, 4097}) {
+    SCOPED_TRACE(n);
+    expect_equal_to_brute_force(test::random_contacts(rng, n, 3, 0.02), 0.01);
+  }
+}
+
+TEST(Adaptive, EqualsTheDoubleSumWhereSomeTorquesFadeOut) {
+  std::mt19937 rng(16);
+  for (const double lever_floor : {0.03, 0.2, 10.0}) {
+    for (const ContactSet& set : {test::random_contacts(rng, 600), test::random_contacts(rng, 600, 4, 0.01)}) {
+      Adaptive6Dof law(set.shell(), 0.1, lever_floor);
+      ContactBuffer b = set.buffer();
+      law.weigh(b);
+      const auto expected = brute_force(set, 0.1, lever_floor, true);
+      for (std::size_t i = 0; i < b.size; ++i) ASSERT_NEAR(b.weight[i], expected[i], 1e-10) << lever_floor;
+    }
+  }
+}
+
 TEST(Adaptive, ASubsetOfTheShellIsWeighedAsIfItWereTheShell) {
   std::mt19937 rng(5);
   const ContactSet all = test::random_contacts(rng, 500, 4, 0.004);
