@@ -44,6 +44,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> near_pairs(const Pointshell
 Cluster::Cluster(const Pointshell& shell, double radius_m, std::size_t capacity, std::unique_ptr<Law> weigher)
     : weigher_(std::move(weigher)),
       near_begin_(shell.size() + 1),
+      in_contact_((shell.size() + 63) / 64),
       place_(shell.size()),
       root_(std::min(capacity, shell.size())),
       members_(root_.size()),
@@ -72,20 +73,21 @@ std::uint32_t Cluster::find_root(std::uint32_t contact) noexcept {
 
 /// Joins contacts that are near each other under the first of them. False: there are none.
 bool Cluster::link(const ContactBuffer& contacts) noexcept {
-  ++tick_;
   bool any = false;
   for (std::uint32_t i = 0; i < contacts.size; ++i) {
     const std::uint32_t id = contacts.point_id[i];
-    place_[id] = {tick_, i};
+    in_contact_[id / 64] |= std::uint64_t{1} << (id % 64);
+    place_[id] = i;
     root_[i] = i;
     for (std::uint32_t n = near_begin_[id]; n < near_begin_[id + 1]; ++n) {  // of lower id: they have been here
-      const Place& other = place_[near_[n]];
-      if (other.tick != tick_) continue;
-      const std::uint32_t a = find_root(i), b = find_root(other.contact);
+      const std::uint32_t other = near_[n];
+      if ((in_contact_[other / 64] >> (other % 64) & 1) == 0) continue;
+      const std::uint32_t a = find_root(i), b = find_root(place_[other]);
       root_[std::max(a, b)] = std::min(a, b);
       any = true;
     }
   }
+  for (std::uint32_t i = 0; i < contacts.size; ++i) in_contact_[contacts.point_id[i] / 64] = 0;
   return any;
 }
 

@@ -49,14 +49,10 @@ class Cluster final : public Law {
   std::unique_ptr<Law> weigher_;
   // near_[near_begin_[i], near_begin_[i + 1]): points of lower id within the radius of point i.
   std::vector<std::uint32_t> near_begin_, near_;
-  struct Place {
-    std::uint64_t tick = 0;  // of its last contact: nothing needs clearing
-    std::uint32_t contact = 0;
-  };
-  std::vector<Place> place_;  // per point
-  std::uint64_t tick_ = 0;
-  std::vector<std::uint32_t> root_;  // per contact: one of lower or equal id in its group; its own: the first
-  std::vector<Member> members_;      // per contact, when there are groups of several
+  std::vector<std::uint64_t> in_contact_;  // per point, a bit each; all 0 in between
+  std::vector<std::uint32_t> place_;       // per point in contact: its contact
+  std::vector<std::uint32_t> root_;        // per contact: one of lower or equal id in its group; its own: the first
+  std::vector<Member> members_;            // per contact, when there are groups of several
   std::vector<Group> groups_;
   std::size_t group_count_ = 0;
   bool along_normal_ = false;

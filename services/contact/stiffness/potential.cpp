@@ -73,8 +73,10 @@ void Potential::weigh(ContactBuffer& contacts) noexcept {
       c.tick = tick_;
       c.group = static_cast<std::uint32_t>(work_.size++);
       work_.group[c.group].support = c.support;
-      __builtin_prefetch(supports_.direction.data() + c.support.begin);
-      __builtin_prefetch(supports_.beta.data() + c.support.begin);
+      for (const std::uint32_t e : {c.support.begin, c.support.end - 1}) {
+        __builtin_prefetch(supports_.direction.data() + e);
+        __builtin_prefetch(supports_.beta.data() + e);
+      }
     }
     work_.group_of[i] = c.group;
     work_.gamma[i] = c.gamma;

@@ -36,7 +36,7 @@ class Potential final : public Law {
   static std::vector<Vec3> directions(int count);
 
  private:
-  struct Class {  // points of equal normal
+  struct alignas(32) Class {  // points of equal normal; never in two cache lines
     PotentialSupport support;
     double gamma;
     std::uint64_t tick;   // of its last use: nothing needs clearing

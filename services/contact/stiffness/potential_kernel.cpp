@@ -9,6 +9,7 @@
 // clang-format on
 
 #include <algorithm>
+#include <utility>
 
 #include "contact/stiffness/potential_kernel.hpp"
 
@@ -138,7 +139,6 @@ HWY_INLINE bool add_contacts(From from, int p, double inverse_depth, ContactBuff
                              PotentialWorkspace& work) {
   for (std::size_t g = 0; g < work.size; ++g) {
     clear(work.group[g].own);
-    clear(work.group[g].less);
     work.group[g].differs = false;
   }
   const bool along_normal = contacts.force_along == ForceDirection::normal;
@@ -158,10 +158,10 @@ HWY_INLINE bool add_contacts(From from, int p, double inverse_depth, ContactBuff
     if (differs) {
       any = true;
       for (std::size_t i = 0; i < count; ++i) {
-        PotentialGroup& group = work.group[work.group_of[begin + i]];
-        group.differs = true;
-        add_half(terms.less[0] + 4 * i, group.less.v);
-        add_half(terms.less[1] + 4 * i, group.less.v + 4);
+        const std::uint32_t g = work.group_of[begin + i];
+        if (!std::exchange(work.group[g].differs, true)) clear(work.less_of[g]);
+        add_half(terms.less[0] + 4 * i, work.less_of[g].v);
+        add_half(terms.less[1] + 4 * i, work.less_of[g].v + 4);
       }
     }
     from = {from.r + 3 * kLanes, from.N + 3 * kLanes, from.g + 3 * kLanes, from.depth + kLanes, from.gamma + kLanes};
@@ -289,7 +289,7 @@ void run(const PotentialSupports& supports, int p, ContactBuffer& contacts, Pote
   if (differs) {
     for (PotentialRow& row : work.less) clear(row);
     for (std::size_t g = 0; g < work.size; ++g) {
-      if (work.group[g].differs) scatter(supports, work.group[g].support, work.group[g].less, work.less.data());
+      if (work.group[g].differs) scatter(supports, work.group[g].support, work.less_of[g], work.less.data());
     }
     scale_rows(work, active, work.less);
     Mat6 less;
@@ -318,6 +318,7 @@ PotentialWorkspace::PotentialWorkspace(std::size_t capacity, std::size_t groups,
     : group_of(capacity),
       gamma(capacity),
       group(groups),
+      less_of(groups),
       own(directions),
       less(directions),
       slope(directions),

@@ -25,8 +25,7 @@ struct alignas(64) PotentialRow {
 
 /// Contacts of equal normal, summed: rho = gamma depth / largest depth, s = (e, r x e), sh = (g, r x g).
 struct PotentialGroup {
-  PotentialRow own;   ///< (sum rho^p, sum gamma rho^(p-1) s, 0)
-  PotentialRow less;  ///< (0, sum gamma rho^(p-1) (s - sh), 0), if it `differs`
+  PotentialRow own;  ///< (sum rho^p, sum gamma rho^(p-1) s, 0)
   PotentialSupport support;
   bool differs;  ///< e is not g in some contact
 };
@@ -39,6 +38,7 @@ struct PotentialWorkspace {
   std::vector<double> gamma;            ///< per contact
   std::size_t size = 0;                 ///< groups in use
   std::vector<PotentialGroup> group;
+  std::vector<PotentialRow> less_of;    ///< per group that differs: (0, sum gamma rho^(p-1) (s - sh), 0)
   std::vector<PotentialRow> own, less;  ///< scratch, per direction: (A, S, 0) and (0, S - Sh, 0)
   std::vector<double> slope;            ///< scratch, per direction: A^(2/p-1), 0 where A is
   std::vector<std::uint32_t> active;    ///< scratch: directions with A > 0
