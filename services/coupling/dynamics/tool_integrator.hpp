@@ -6,8 +6,9 @@ namespace tact::coupling {
 /// Contact wrench on the tool about To at its present pose and twist, linearised: F(x, V) = F - K x - B (V - V_0).
 struct ContactLoad {
   Wrench F_W;
-  Mat6 K = Mat6::Zero();  ///< symmetric positive semidefinite
-  Mat6 B = Mat6::Zero();  ///< the same
+  Mat6 K =
+      Mat6::Zero();  ///< that an implicit step meets (WrenchModel: at least -dF/dx); symmetric, positive semidefinite
+  Mat6 B = Mat6::Zero();  ///< of the dampers that are in F_W; symmetric, positive semidefinite
 };
 
 struct BodyState {

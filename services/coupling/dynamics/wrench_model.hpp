@@ -20,6 +20,13 @@ struct ContactLinearisation {
 ///   .. fade_ticks               the last extrapolated wrench, scaled down linearly; strength() with it
 ///   beyond                      zero: stale, the device is calm
 ///
+/// Damping. A contact that is first answered n ticks after the tool entered it has let the tool in by n h v, and a
+/// stiff implicit step puts it out in one: it leaves with n v, so every touch feeds the next. And a gradient is that of
+/// one pose, where a tool that rocks has others at both ends of its way. So an implicit step meets K + n S instead of
+/// K: S what K has been lately (of each reply half of the one before, forgotten in the open), n the ticks from the pose
+/// answered to the end of the step. That is a damper n h S: nothing at rest, a few ticks of delay in motion, and work
+/// never but lost. What it changes: README.md, "Late replies".
+///
 /// Until the first reply it is as if stale, without being a fault. Real time: no allocation, a few hundred nanoseconds.
 class WrenchModel {
  public:
@@ -35,8 +42,9 @@ class WrenchModel {
   /// Begins a tick with a new reply, or without.
   void begin_tick(const ContactLinearisation* reply) noexcept;
 
-  /// Contact load on the tool at X_WT in this tick.
-  ContactLoad at(const Pose& X_WT) noexcept;
+  /// Contact load on the tool at X_WT in this tick; `behind_ticks`: poses published since the one answered, 0 when the
+  /// reply is to the newest.
+  ContactLoad at(const Pose& X_WT, std::uint64_t behind_ticks = 0) noexcept;
 
   Phase phase() const noexcept;
   /// 1 while fresh or late, falling to 0 through the fade.
@@ -48,7 +56,8 @@ class WrenchModel {
  private:
   Params params_;
   ContactLinearisation reply_;
-  Wrench F_last_W_;  // last not faded
+  Mat6 S_ = Mat6::Zero();  // K lately
+  Wrench F_last_W_;        // last not faded
   bool any_ = false;
   std::uint32_t age_ = 0;
 };

@@ -194,7 +194,7 @@ void CouplingLoop::take_reply() noexcept {
   } else {
     wrench_.begin_tick(nullptr);
   }
-  contact_ = wrench_.at(tool_.tool().X_W);
+  contact_ = wrench_.at(tool_.tool().X_W, seq_ - reply_.pose_seq);
 
   if (reply_.status & kReplyOverflow) raise(Fault::contacts_full);
   if (reply_.status & kReplySignDoubtful) raise(Fault::sign_doubtful);

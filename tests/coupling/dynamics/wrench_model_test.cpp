@@ -42,21 +42,41 @@ TEST(WrenchModel, NeverReversesTheLastFreshForceOrTorque) {
   EXPECT_NEAR(load.F_W.torque.x(), 0, 1e-12);
 }
 
+TEST(WrenchModel, MeetsTheStepWithKAndForEachTickSinceThePoseAnsweredWhatKHasBeenLately) {
+  WrenchModel model;
+  const auto reply = [&](double k) {
+    ContactLinearisation linear;
+    linear.K = k * Mat6::Identity();
+    model.begin_tick(&linear);
+  };
+  const auto met = [&](std::uint64_t behind) { return model.at(Pose{}, behind).K(0, 0); };
+  reply(100);
+  EXPECT_EQ(met(0), 100 + 100);
+  EXPECT_EQ(met(3), 100 + 4 * 100);
+  reply(10);
+  EXPECT_EQ(met(0), 10 + (10 + 50));
+  EXPECT_EQ(met(1), 10 + 2 * (10 + 50));
+  reply(0);  // in the open
+  EXPECT_EQ(met(5), 0);
+  reply(40);
+  EXPECT_EQ(met(0), 40 + 40);
+}
+
 TEST(WrenchModel, FiveTicksAtFullStrengthThenALinearFadeThenZeroAtTwenty) {
   WrenchModel model;
   const auto reply = push();
   model.begin_tick(&reply);
   for (std::uint32_t age = 1; age <= 30; ++age) {
     model.begin_tick(nullptr);
-    const ContactLoad load = model.at(moved(-0.0001 * age));
+    const ContactLoad load = model.at(moved(-0.0001 * age), age);
     if (age <= 5) {
       EXPECT_EQ(model.phase(), WrenchModel::Phase::late);
       EXPECT_NEAR(load.F_W.force.z(), 8 + 0.1 * age, 1e-12);
-      EXPECT_EQ(load.K(0, 0), 1000);
+      EXPECT_EQ(load.K(0, 0), 1000 + (1 + age) * 1000);
     } else if (age < 20) {
       EXPECT_EQ(model.phase(), WrenchModel::Phase::fading);
       EXPECT_NEAR(load.F_W.force.z(), 8.5 * (20.0 - age) / 15.0, 1e-12);  // held, scaled
-      EXPECT_NEAR(load.K(0, 0), 1000 * (20.0 - age) / 15.0, 1e-9);
+      EXPECT_NEAR(load.K(0, 0), (1000 + (1 + age) * 1000) * (20.0 - age) / 15.0, 1e-8);
     } else {
       EXPECT_EQ(model.phase(), WrenchModel::Phase::stale);
       EXPECT_EQ(load.F_W.force.norm(), 0);

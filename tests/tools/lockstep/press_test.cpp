@@ -68,6 +68,20 @@ TEST(Press, FindsTheStabilityLimitOfSemiImplicitEulerOnADampedWall) {
   EXPECT_GT(found, 0.8 * low);
 }
 
+/// Hard: 100 points of a flat face, a thousand times the stiffness a scene states. With K alone in the step the touch
+/// starts a cycle that never dies (services/coupling/README.md, "Late replies").
+TEST(Press, RestsUnderEveryLawHoweverLateTheReplies) {
+  for (const char* law : {"none", "global", "adaptive-3dof", "adaptive-6dof", "potential"}) {
+    for (const int delay : {0, 1, 3, 8}) {
+      Experiment setup = stiff(flat(100), 2e7);
+      setup.session.scene.contact.law = law;
+      setup.delay_ticks = delay;
+      const Verdict verdict = press(setup);
+      EXPECT_TRUE(verdict.stable()) << law << ", " << delay << " late: " << name(verdict.why);
+    }
+  }
+}
+
 TEST(Press, SaysHowThePressRests) {
   const double k = 2e4;
   const Verdict verdict = press(stiff(flat(100), k));
