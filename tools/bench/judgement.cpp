@@ -77,6 +77,20 @@ std::vector<Contender> contenders(const Effort& effort) {
   return all;
 }
 
+/// What a hand takes for even: a twentieth of F_max a tick.
+constexpr double kEven_n = 0.05 * kForceMax_n;
+
+/// The largest k at which the press is stable and even, from above: on thin wires a soft contact slips, and is not.
+double largest_even(const Experiment& setup, double ratio) {
+  const auto even = [&](double k) {
+    const lockstep::Verdict verdict = lockstep::press(at_stiffness(setup, k));
+    return verdict.stable() && verdict.force_step_rms_n <= kEven_n;
+  };
+  double k = kStiffest;
+  while (k > 1e3 && !even(k)) k /= 2;
+  return k > 1e3 ? lockstep::largest_stable(even, k, std::min(2 * k, kStiffest), ratio) : 0;
+}
+
 struct Contest {
   const char *scene, *script;
 };
@@ -144,22 +158,33 @@ void bench_judgement(const Effort& effort, Report& report) {
   report.say(
       "Each law at half the largest k at which the press is stable at 1 kHz with every reply one tick late, F_max " +
       number(kForceMax_n) +
-      " N: equal stability margin. Then the whole script. Depth in voxels, quasi-static / "
+      " N: equal stability margin. And at the largest k at which it is stable and the contact "
+      "force steps by at most " +
+      number(kEven_n) +
+      " N a tick (root mean square while touching): equally even. Then the whole script. Depth in voxels, quasi-static "
+      "/ "
       "largest; force step in N, rms / largest; net: largest eigenvalue of K, N/m; balance: depths on the walls.");
   const std::vector<Contender> all = contenders(effort);
   for (const auto& [scene, script] : kContests) {
     if (effort.quick && std::string(scene) != "wedge") continue;
     const Press press = make_press(scene, script);
     const bool two_walls = std::string(scene) == "two-walls";
-    std::vector<Report::Row> table(all.size());
+    std::vector<Report::Row> margin(all.size()), smooth(all.size());
     tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
-      const Experiment whole = all[i].of(press.whole);
-      const StableStiffness found = stable_stiffness(all[i].of(press.setup), ratio);
-      const double k = found.k > 0 ? found.k / 2 : stated_stiffness(whole);
-      table[i] = played(whole, all[i].name, text_of(found), k, two_walls);
+      const Experiment whole = all[i].of(press.whole), setup = all[i].of(press.setup);
+      const StableStiffness stable = stable_stiffness(setup, ratio);
+      const double stated = stated_stiffness(whole);
+      margin[i] = played(whole, all[i].name, text_of(stable), stable.k > 0 ? stable.k / 2 : stated, two_walls);
+      const double even = largest_even(setup, ratio);
+      smooth[i] =
+          played(whole, all[i].name, even > 0 ? newtons_per_metre(even) : "none", even > 0 ? even : stated, two_walls);
     });
-    report.say(press.name + ", k as stated " + newtons_per_metre(stated_stiffness(press.whole)) + ":");
-    report.table({"law", "largest k", "k", "depth", "force step", "net", "force", "balance", "goal"}, table);
+    const auto say = [&](const std::string& how, const std::vector<Report::Row>& table) {
+      report.say(press.name + ", k as stated " + newtons_per_metre(stated_stiffness(press.whole)) + "; " + how + ":");
+      report.table({"law", "largest k", "k", "depth", "force step", "net", "force", "balance", "goal"}, table);
+    };
+    say("at half the largest stable k", margin);
+    say("at the largest k with even forces", smooth);
   }
 }
 

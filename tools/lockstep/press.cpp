@@ -107,8 +107,20 @@ Verdict press(const Experiment& setup) {
   Verdict verdict;
   Window window;
   double port_before_j = 0;
+  double steps_n2 = 0;
+  std::uint64_t steps = 0;
+  Vec3 force_last_n = Vec3::Zero();
+  bool touched = false;
   const auto one = [&] {
     rig.tick();
+    const bool touches = rig.answer().contact_count > 0;
+    const Vec3& force_n = rig.answer().response_W.F.force;
+    if (touches && touched) {
+      steps_n2 += (force_n - force_last_n).squaredNorm();
+      verdict.force_step_rms_n = std::sqrt(steps_n2 / static_cast<double>(++steps));
+    }
+    force_last_n = force_n;
+    touched = touches;
     verdict.energy_max_j = std::max(verdict.energy_max_j, kinetic_energy_j(rig));
     if ((rig.trace().faults & bit(Fault::not_finite)) != 0) verdict.why = Verdict::Why::not_finite;
     if (!(verdict.energy_max_j <= kEnergy_j) && verdict.stable()) verdict.why = Verdict::Why::energy;

@@ -26,6 +26,7 @@ struct Verdict {
   double net_stiffness_n_per_m = 0;  ///< mean over the window
   double depth_m = 0;                ///< the same
   double contacts = 0;               ///< the same
+  double force_step_rms_n = 0;       ///< of the contact force from tick to tick while touching, over the whole press
 
   bool stable() const { return why == Why::stable; }
 };
