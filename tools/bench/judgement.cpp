@@ -65,6 +65,7 @@ struct Contender {
 std::vector<Contender> contenders(const Effort& effort) {
   std::vector<Contender> all;
   for (const std::string_view law : contact::law_names()) {
+    if (effort.quick && law != "adaptive-6dof" && law != "potential") continue;
     all.push_back({std::string(law), {{"contact.law", law.data()}}});
   }
   if (effort.quick) return all;
