@@ -26,8 +26,11 @@ std::optional<std::string> nearest(const std::string& word, const std::vector<st
   std::optional<std::string> best;
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const auto& candidate : candidates) {
+    // No fewer letters are wrong than one is longer: a hostile megabyte is not compared.
+    const std::size_t longer = std::max(word.size(), candidate.size()) - std::min(word.size(), candidate.size());
     // A beginning ("device.rate" for "device.rate_hz") is a nearer slip than as many wrong letters.
     const bool begins = word.size() >= 3 && candidate.rfind(word, 0) == 0;
+    if (!begins && longer >= best_distance) continue;
     const std::size_t d = begins ? 1 : edit_distance(word, candidate);
     if (d < best_distance) {
       best_distance = d;

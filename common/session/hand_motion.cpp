@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "fault/fault.hpp"
-#include "session/key.hpp"
+#include "fault/text.hpp"
 #include "session/session.hpp"
 
 namespace tact {
@@ -42,8 +42,7 @@ HandMotion load_hand_motion(const std::filesystem::path& csv) {
     ++number;
     const std::string_view line = trimmed(raw);
     if (number == 1) {
-      if (line != kHeader)
-        refuse(session::describe(std::string{line.substr(0, 80)}), "the header " + std::string{kHeader});
+      if (line != kHeader) refuse(quoted_line(line, 80), "the header " + std::string{kHeader});
       continue;
     }
     if (line.empty()) continue;
@@ -56,8 +55,7 @@ HandMotion load_hand_motion(const std::filesystem::path& csv) {
       double x = 0;
       const auto [stop, error] = std::from_chars(cell.data(), cell.data() + cell.size(), x);
       if (error != std::errc{} || stop != cell.data() + cell.size() || !std::isfinite(x)) {
-        refuse(session::describe(std::string{cell.substr(0, 40)}) + " in column " + std::to_string(column + 1),
-               "a finite number");
+        refuse(quoted_line(cell, 40) + " in column " + std::to_string(column + 1), "a finite number");
       }
       row[column++] = x;
       begin = end + 1;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <climits>
 #include <cmath>
 #include <utility>
 
@@ -114,7 +115,9 @@ Key path(std::string name, std::filesystem::path& member, const std::filesystem:
           [&member, base](const Value& v) {
             const auto* s = std::get_if<std::string>(&v);
             if (!s || s->empty() || s->find('\0') != std::string::npos) return false;
-            member = (base / *s).lexically_normal();
+            std::filesystem::path whole = (base / *s).lexically_normal();
+            if (whole.native().size() >= PATH_MAX) return false;  // no system call would take it
+            member = std::move(whole);
             return true;
           },
           [&member] { return member.empty() ? std::nullopt : std::optional<Value>{member.string()}; }};

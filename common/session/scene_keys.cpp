@@ -17,11 +17,11 @@ bool is_name(const std::string& s) {
 }
 
 bool is_line(const std::string& s) {
-  return std::none_of(s.begin(), s.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
+  return s.size() <= 1000 && std::none_of(s.begin(), s.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
 }
 
 bool is_word(const std::string& s) {
-  return !s.empty() && s.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-") == s.npos;
+  return !s.empty() && s.size() <= 64 && s.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-") == s.npos;
 }
 
 bool is_token(const std::string& s) {
@@ -34,7 +34,9 @@ bool is_address(const std::string& s) {
   return ::inet_pton(AF_INET, s.c_str(), &a) == 1 || ::inet_pton(AF_INET6, s.c_str(), &a) == 1;
 }
 
-Key line(std::string name, std::string& member) { return text(std::move(name), member, "one line of text", is_line); }
+Key line(std::string name, std::string& member) {
+  return text(std::move(name), member, "one line of text, 1000 bytes at most", is_line);
+}
 
 /// `access` gives the position to write to, `peek` one to read, or none.
 Key position_key(std::string name, const std::function<Vec3&()>& access, const std::function<const Vec3*()>& peek) {

@@ -1,11 +1,13 @@
 #include "session/session.hpp"
 
+#include <climits>
 #include <cmath>
 #include <numbers>
 #include <sstream>
 #include <utility>
 
 #include "fault/fault.hpp"
+#include "fault/text.hpp"
 #include "session/mesh_parts.hpp"
 #include "session/scene_keys.hpp"
 #include "session/toml_file.hpp"
@@ -23,8 +25,10 @@ using session::Entry;
 void check_file(const std::string& where, const std::string& key, const std::filesystem::path& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) refuse(where, key, "no file \"" + path.string() + "\"", "an existing file");
-  if (std::filesystem::is_directory(status)) refuse(where, key, "the folder \"" + path.string() + "\"", "a file");
+  if (!std::filesystem::exists(status))
+    refuse(where, key, "no file " + quoted_line(path.native(), PATH_MAX), "an existing file");
+  if (std::filesystem::is_directory(status))
+    refuse(where, key, "the folder " + quoted_line(path.native(), PATH_MAX), "a file");
 }
 
 void check_body(const std::string& where, const std::string& name, const BodySpec& body) {
@@ -170,7 +174,7 @@ void load_machine(const std::filesystem::path& path, Session& session) {
 }
 
 Session load_session(const std::filesystem::path& path) {
-  const auto entries = session::read_toml(path);
+  const auto entries = session::read_toml(path, 4096);  // what we wrote of a scene file is longer
   Session s;
   const std::string scene_prefix = "scene.";
   for (const auto& entry : entries) {

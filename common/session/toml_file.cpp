@@ -7,14 +7,36 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
+#include <iterator>
+#include <string_view>
+#include <unordered_map>
 
 #include "fault/fault.hpp"
+#include "fault/text.hpp"
 #include "file/whole_file.hpp"
 
 namespace tact::session {
 namespace {
 
-constexpr std::uintmax_t kLargestFile = 4u << 20;  // a configuration, not data
+constexpr int kDeepest = 16;          // twice what our keys need
+constexpr std::ptrdiff_t kDots = 64;  // in a line
+
+/// toml++ frees tables within each other by recursion, and a dotted key is two bytes a table: what would run out of
+/// stack is not given to it.
+void check_dots(const std::string& text, const std::filesystem::path& path) {
+  unsigned number = 1;
+  for (std::size_t at = 0, end = 0; at < text.size(); at = end + 1, ++number) {
+    end = std::min(text.find('\n', at), text.size());
+    const std::string_view line = std::string_view(text).substr(at, end - at);
+    const std::size_t first = line.find_first_not_of(" \t");
+    if (first == line.npos || line[first] == '#') continue;
+    if (std::count(line.begin(), line.end(), '.') > kDots) {
+      throw SetupError(path.string() + ": line " + std::to_string(number) + ": found more than " +
+                       std::to_string(kDots) + " dots, expected shorter keys or text");
+    }
+  }
+}
 
 Value value_of(const toml::node& node) {
   if (const auto* v = node.as_boolean()) return v->get();
@@ -33,44 +55,25 @@ Value value_of(const toml::node& node) {
   return Other{"a date or time"};
 }
 
-void flatten(const toml::table& table, const std::string& prefix, std::vector<Entry>& out) {
+void flatten(const toml::table& table, const std::string& prefix, int depth, std::vector<Entry>& out) {
   for (const auto& [key, node] : table) {
     const std::string name = prefix + std::string{key.str()};
     const auto* child = node.as_table();
     if (child && !child->empty()) {
-      flatten(*child, name + ".", out);
+      if (depth == kDeepest) {
+        throw SetupError(one_line(name) + ": found more than " + std::to_string(kDeepest) +
+                         " tables within each other at line " + std::to_string(node.source().begin.line) +
+                         ", expected a known key");
+      }
+      flatten(*child, name + ".", depth + 1, out);
     } else {
       out.push_back({name, value_of(node), static_cast<unsigned>(node.source().begin.line)});
     }
   }
 }
 
-/// No byte out of place: neither stray, nor missing, nor a longer form than needed, nor a surrogate.
-bool is_utf8(const std::string& text) {
-  for (std::size_t i = 0; i < text.size();) {
-    const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
-    const unsigned first = byte(i);
-    const std::size_t more = first < 0x80 ? 0 : first >> 5 == 6 ? 1 : first >> 4 == 14 ? 2 : first >> 3 == 30 ? 3 : 4;
-    if (more == 4) return false;
-    unsigned code = more == 0 ? first : first & (0x3fu >> more);
-    for (std::size_t k = 1; k <= more; ++k) {
-      if (byte(i + k) >> 6 != 2) return false;
-      code = code << 6 | (byte(i + k) & 0x3f);
-    }
-    constexpr unsigned kLeast[] = {0, 0x80, 0x800, 0x10000};
-    if (code < kLeast[more] || code > 0x10ffff || (code >= 0xd800 && code < 0xe000)) return false;
-    i += more + 1;
-  }
-  return true;
-}
-
 bool is_table_of(const std::string& name, const Keys& keys) {
   return std::any_of(keys.begin(), keys.end(), [&](const Key& k) { return k.name.rfind(name + ".", 0) == 0; });
-}
-
-const Key* find(const Keys& keys, const std::string& name) {
-  const auto it = std::find_if(keys.begin(), keys.end(), [&](const Key& k) { return k.name == name; });
-  return it == keys.end() ? nullptr : &*it;
 }
 
 std::string quoted(const std::string& text) {
@@ -91,7 +94,7 @@ std::string quoted(const std::string& text) {
 
 }  // namespace
 
-std::vector<Entry> read_toml(const std::filesystem::path& path) {
+std::vector<Entry> read_toml(const std::filesystem::path& path, std::uintmax_t largest_kib) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) {
@@ -103,44 +106,52 @@ std::vector<Entry> read_toml(const std::filesystem::path& path) {
   if (::access(path.c_str(), R_OK) != 0) {
     throw SetupError(path.string() + ": found " + std::strerror(errno) + ", expected a readable TOML file");
   }
-  if (std::filesystem::file_size(path, error) > kLargestFile) {
-    throw SetupError(path.string() + ": found more than 4 MiB, expected a TOML file written by a person");
+  if (std::filesystem::file_size(path, error) > largest_kib << 10) {
+    throw SetupError(path.string() + ": found more than " + std::to_string(largest_kib) +
+                     " KiB, expected a configuration, not data");
   }
+  std::ifstream in(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  check_dots(text, path);
   std::vector<Entry> entries;
   try {
-    flatten(toml::parse_file(path.string()), "", entries);
+    flatten(toml::parse(text), "", 1, entries);
+  } catch (const SetupError& e) {
+    throw SetupError(path.string() + ": " + e.what());
   } catch (const toml::parse_error& e) {
     throw SetupError(path.string() + ": line " + std::to_string(e.source().begin.line) + ": found " +
-                     std::string{e.description()} + ", expected valid TOML");
+                     one_line(e.description(), 300) + ", expected valid TOML");
   }
   std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.line < b.line; });
   return entries;
 }
 
 void apply(const std::vector<Entry>& entries, const Keys& keys, const std::filesystem::path& file) {
+  std::unordered_map<std::string_view, const Key*> by_name;
+  for (const Key& key : keys) by_name.emplace(key.name, &key);
   for (const auto& entry : entries) {
-    const Key* key = find(keys, entry.name);
+    const auto it = by_name.find(entry.name);
+    const Key* key = it == by_name.end() ? nullptr : it->second;
     const auto* other = std::get_if<Other>(&entry.value);
     if (!key && other && other->description == "a table" && is_table_of(entry.name, keys)) continue;  // empty table
-    const std::string where = file.string() + ": " + entry.name + ": found ";
-    const std::string at_line = " at line " + std::to_string(entry.line);
-    if (!key) {
-      throw SetupError(where + "this unknown key" + at_line + ", expected " + expected_for_unknown(entry.name, keys));
-    }
-    if (!key->set(entry.value)) {
-      throw SetupError(where + describe(entry.value) + at_line + ", expected " + key->expected);
-    }
+    const auto refuse = [&](const std::string& found, const std::string& expected) {
+      throw SetupError(file.string() + ": " + one_line(entry.name) + ": found " + found + " at line " +
+                       std::to_string(entry.line) + ", expected " + expected);
+    };
+    if (!key) refuse("this unknown key", expected_for_unknown(entry.name, keys));
+    if (!key->set(entry.value)) refuse(one_line(describe(entry.value)), key->expected);
   }
 }
 
 void apply_text(const std::string& name, const std::string& text, const Keys& keys) {
-  const Key* key = find(keys, name);
-  if (!key) throw SetupError(name + ": found this unknown key, expected " + expected_for_unknown(name, keys));
+  const auto key = std::find_if(keys.begin(), keys.end(), [&](const Key& k) { return k.name == name; });
+  if (key == keys.end())
+    throw SetupError(one_line(name) + ": found this unknown key, expected " + expected_for_unknown(name, keys));
   // The services read it from a TOML file, which holds nothing else.
   if (!is_utf8(text))
     throw SetupError(name + ": found text that is not UTF-8, expected " + key->expected + " in UTF-8");
   if (!key->set(parse(key->kind, text))) {
-    throw SetupError(name + ": found \"" + text + "\", expected " + key->expected);
+    throw SetupError(name + ": found " + quoted_line(text) + ", expected " + key->expected);
   }
 }
 

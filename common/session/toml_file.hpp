@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -14,8 +15,8 @@ struct Entry {
   unsigned line = 0;
 };
 
-/// All assignments in file order. Throws SetupError when the file cannot be read or is not TOML.
-std::vector<Entry> read_toml(const std::filesystem::path& path);
+/// All assignments in file order. Throws SetupError when the file cannot be read, is larger or is not TOML.
+std::vector<Entry> read_toml(const std::filesystem::path& path, std::uintmax_t largest_kib = 128);
 
 /// Gives every entry to its key. Throws SetupError "<file>: <key>: found ..., expected ..." at the first that is
 /// unknown or refused.

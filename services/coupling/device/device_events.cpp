@@ -7,6 +7,7 @@
 #include <string>
 
 #include "fault/fault.hpp"
+#include "fault/text.hpp"
 
 namespace tact::coupling {
 namespace {
@@ -40,8 +41,8 @@ std::vector<TimedEvent> load_device_events(const std::filesystem::path& csv) {
   std::ifstream in(csv);
   if (!in) throw SetupError(csv.string() + ": found no such file, expected a CSV file of device events");
   const auto refuse = [&csv](int number, const std::string& found, const std::string& expected) {
-    throw SetupError(csv.string() + ": line " + std::to_string(number) + ": found \"" + found + "\", expected " +
-                     expected);
+    throw SetupError(csv.string() + ": line " + std::to_string(number) + ": found " + quoted_line(found) +
+                     ", expected " + expected);
   };
   std::vector<TimedEvent> events;
   std::string line;

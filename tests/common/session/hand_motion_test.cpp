@@ -38,6 +38,11 @@ TEST(HandMotion, EveryMistakeNamesFileAndLine) {
   EXPECT_EQ(error_of(h + "0,0,nan,0,1,0,0,0\n"), "line 2: found \"nan\" in column 3, expected a finite number");
   EXPECT_EQ(error_of(h + "0,inf,0,0,1,0,0,0\n"), "line 2: found \"inf\" in column 2, expected a finite number");
   EXPECT_EQ(error_of(h + "0,0,0,1e999,1,0,0,0\n"), "line 2: found \"1e999\" in column 4, expected a finite number");
+  EXPECT_EQ(error_of(h + "0,0,\x1b\xff,0,1,0,0,0\n"),
+            "line 2: found \"\\x1b\\xff\" in column 3, expected a finite number");
+  EXPECT_EQ(error_of(std::string(100, 'x') + "\n"), "line 1: found \"" + std::string(80, 'x') +
+                                                        "... (100 bytes)\", expected the header "
+                                                        "time_s,x_m,y_m,z_m,qw,qx,qy,qz");
   EXPECT_EQ(error_of(h + "0,0,,0,1,0,0,0\n"), "line 2: found \"\" in column 3, expected a finite number");
   EXPECT_EQ(error_of(h + "0,0,1mm,0,1,0,0,0\n"), "line 2: found \"1mm\" in column 3, expected a finite number");
   EXPECT_EQ(error_of(h + "0,0,0,0,1,0,0,0\n1,0,0,0,1,1,0,0\n"),

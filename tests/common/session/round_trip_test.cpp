@@ -149,6 +149,20 @@ TEST(Session, DefaultsRoundTripToo) {
   EXPECT_FALSE(scripted_hand(r).has_value());
 }
 
+/// A scene file just short enough to be read makes a session file that is longer.
+TEST(Session, OfTheLongestSceneReadsBackToo) {
+  TempFolder folder;
+  std::string text = "obstacle.shape = \"box\"\ntool.shape = \"box\"\n";
+  for (int i = 0; i < 6000; ++i) text += "tool.params.a" + std::to_string(i) + " = 1\n";
+  Session s;
+  load_scene(folder.write("s.toml", text), s);
+  s.run_dir = folder.path();
+  s.name = "x";
+  save_session(s, folder.path() / "session.toml");
+  EXPECT_GT(std::filesystem::file_size(folder.path() / "session.toml"), 128u << 10);
+  EXPECT_EQ(load_session(folder.path() / "session.toml").scene.tool.shape_params.size(), 6000u);
+}
+
 TEST(Session, FileIsReadableByItsOwnerOnly) {
   TempFolder folder;
   save_session(full_session(folder), folder.path() / "session.toml");

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <climits>
+
 #include "common/session/temp_folder.hpp"
 #include "session/session.hpp"
 
@@ -114,6 +116,51 @@ TEST(Scene, EveryMistakeIsOneErrorNamingFileKeyFoundAndExpected) {
   EXPECT_EQ(load_error("title = \n").find("scene.toml: line 1: found "), 0u);
   EXPECT_EQ(load_error(std::string("\xff\xfe\x00", 3)).find("scene.toml: line 1: found "), 0u);
   EXPECT_EQ(load_error(""), "scene.toml: obstacle: found neither shape nor mesh, expected one of them");
+}
+
+/// Small files that made the loader run out of stack or memory, or compare for minutes.
+TEST(Scene, HostileFilesAreOneShortErrorAtOnce) {
+  const auto times = [](int n, const std::string& text) {
+    std::string out;
+    while (n-- > 0) out += text;
+    return out;
+  };
+  const std::string m = kMinimal;
+  EXPECT_EQ(load_error(m + times(60000, "a.") + "a = 1\n"),
+            "scene.toml: line 5: found more than 64 dots, expected shorter keys or text");
+  EXPECT_EQ(load_error(m + "[" + times(60000, "a.") + "a]\nb = 1\n"),
+            "scene.toml: line 5: found more than 64 dots, expected shorter keys or text");
+  EXPECT_EQ(load_error(m + "x = [\n" + times(200, "{" + times(60, "a.") + "a = [\n")).find("scene.toml: line "), 0u);
+  EXPECT_EQ(load_error(m + times(20, "a.") + "a = 1\n"),
+            "scene.toml: tool." + times(14, "a.") +
+                "a: found more than 16 tables within each other at line 5, "
+                "expected a known key");
+  EXPECT_EQ(load_error(times(200000, "#")), "scene.toml: found more than 128 KiB, expected a configuration, not data");
+  EXPECT_EQ(load_error(times(120000, "a") + " = 1\n"),
+            "scene.toml: " + times(120, "a") +
+                "... (120000 bytes): found this unknown key at line 1, expected a known key (they are listed in "
+                "common/session/README.md)");
+  EXPECT_EQ(load_error("\"a\\nb\" = 1\n").find("scene.toml: a\\x0ab: found this unknown key"), 0u);
+  EXPECT_EQ(load_error("tool.shape = \"" + times(65, "a") + "\"\n").find("scene.toml: tool.shape: found \""), 0u);
+  EXPECT_EQ(load_error("title = \"" + times(1001, "a") + "\"\n").find("scene.toml: title: found \""), 0u);
+  EXPECT_EQ(load_error("title = 1\n" + times(3000, "title = 1\n")).find("scene.toml: line 2: found "), 0u);
+  EXPECT_EQ(load_error("tool.mesh = \"" + times(120000, "#") + "\"\n").find("scene.toml: tool.mesh: found \"####"), 0u);
+  EXPECT_EQ(load_error(m + "params.\"" + times(60000, "\\n") + "\" = 1\n").size() < 1000, true);
+  std::string many = "tool.shape = \"box\"\n";
+  for (int i = 0; i < 3500; ++i) many += "scripts.a" + std::to_string(i) + ".hand_force_max_n = 1\n";
+  EXPECT_EQ(load_error(many), "scene.toml: obstacle: found neither shape nor mesh, expected one of them");
+}
+
+/// A path that was short enough in the scene file must not be too long once it is absolute.
+TEST(Scene, APathNoSystemCallTakesIsRefusedWhereItStands) {
+  TempFolder folder;
+  const std::string absolute = folder.path().string() + "/";
+  const std::string longest(PATH_MAX - 1 - absolute.size(), 'a');
+  const auto error = [&](const std::string& path) {
+    return load_error("tool.shape = \"box\"\nobstacle = { unit = \"m\", mesh = \"" + path + "\" }\n");
+  };
+  EXPECT_EQ(error(longest).find("scene.toml: obstacle.mesh: found no file \""), 0u);
+  EXPECT_EQ(error(longest + "a").find("scene.toml: obstacle.mesh: found \"aaaa"), 0u);
 }
 
 TEST(Scene, MissingFileAndFolderAreNamed) {

@@ -86,6 +86,16 @@ TEST(Shape, WrongNamesAndValuesAreOneErrorEach) {
               make_shape("two-walls", {{"span_m", 0.001}});
             }),
             "shape two-walls: span_m: found 0.001, expected walls that do not touch");
+  // Three lines of a scene file that ask for 10^10 turns.
+  EXPECT_EQ(setup_error([] {
+              make_shape("bolt", {{"length_m", 1000}, {"pitch_m", 1e-7}});
+            }),
+            "shape bolt: length_m: found 1000, expected less: at most 500000 turns times sides_count");
+  EXPECT_EQ(setup_error([] {
+              make_shape("nut", {{"height_m", 6}, {"sides_count", 192}});
+            }),
+            "shape nut: height_m: found 6, expected less: at most 500000 turns times sides_count");
+  EXPECT_EQ(setup_error([] { make_shape("nut", {{"height_m", 0.52}, {"sides_count", 1920}}); }), "no error");
 }
 
 }  // namespace
