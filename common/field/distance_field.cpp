@@ -50,7 +50,13 @@ DistanceField DistanceField::open(const std::filesystem::path& path, std::uint64
   const auto* coarse = reinterpret_cast<const CoarseEntry*>(payload.data() + sizeof(info));
   const auto* blocks = reinterpret_cast<const FieldBlock*>(payload.data() + sizeof(info) + coarse_bytes);
   for (std::size_t i = 0; i < grid.block_count(); ++i) {
-    if (coarse[i].stored() && coarse[i].slot() >= info.stored) throw bad("a block that is not there");
+    const CoarseEntry& entry = coarse[i];
+    if (entry.stored() && entry.slot() >= info.stored) throw bad("a block that is not there");
+    const float slope = entry.inverse_slope.value();
+    if (!std::isfinite(entry.level) || !std::isfinite(entry.tilt[0].value() + entry.tilt[1].value()) ||
+        !std::isfinite(entry.tilt[2].value()) || !(slope >= 0 && slope <= 1)) {
+      throw bad("a promise of distance that is none");
+    }
   }
   DistanceField field;
   field.adopt(grid, coarse, blocks);

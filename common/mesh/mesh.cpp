@@ -28,7 +28,9 @@ void save_mesh(const Mesh& mesh, const std::filesystem::path& path) {
 Mesh load_mesh(const std::filesystem::path& path) {
   const SealedFile file = SealedFile::open(path, kKind);
   const auto payload = file.payload();
-  const auto bad = [&](const char* what) { return SetupError(path.string() + ": the mesh is inconsistent: " + what); };
+  const auto bad = [&](const char* what) {
+    return SetupError(path.string() + ": the mesh is inconsistent: " + what + ": delete it and bake again");
+  };
   Counts counts{};
   if (payload.size() < sizeof(counts)) throw bad("no counts");
   std::memcpy(&counts, payload.data(), sizeof(counts));
@@ -44,6 +46,9 @@ Mesh load_mesh(const std::filesystem::path& path) {
   const auto triangles = payload.subspan(sizeof(counts) + 12 * counts.vertices);
   if (counts.vertices > 0) std::memcpy(static_cast<void*>(mesh.vertices.data()), vertices.data(), vertices.size());
   if (counts.triangles > 0) std::memcpy(mesh.triangles.data(), triangles.data(), triangles.size());
+  for (const auto& v : mesh.vertices) {
+    if (!v.allFinite()) throw bad("a vertex is nowhere");
+  }
   for (const auto& t : mesh.triangles) {
     if (t[0] >= counts.vertices || t[1] >= counts.vertices || t[2] >= counts.vertices) {
       throw bad("a triangle names a vertex that is not there");

@@ -1,5 +1,6 @@
 #include "contact/model/pointshell.hpp"
 
+#include <cmath>
 #include <cstring>
 
 #include "fault/fault.hpp"
@@ -30,9 +31,18 @@ struct Reader {
   }
 };
 
-/// A hostile file with a good checksum must not lead a traversal astray.
+/// A hostile file with a good checksum must not lead a traversal astray, nor make forces that are no numbers.
 const char* inconsistency(const Pointshell& s) {
   const std::size_t n = s.size();
+  if (n == 0) return "no points";
+  const auto size = [](double x) { return x >= 0 && std::isfinite(x); };
+  if (!s.X_TM.finite() || std::fabs(s.X_TM.q.norm() - 1) > 1e-3) return "its mesh frame";
+  if (!s.inertia_shape_m2.allFinite()) return "its inertia";
+  if (!size(s.gyration_radius_m) || !size(s.bounding_radius_m) || !size(s.spacing_m)) return "its radii or spacing";
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!s.position_T[i].allFinite() || !size(s.radius_m[i]) || !size(s.area_m2[i])) return "a point that is nowhere";
+    if (!(std::fabs(s.normal_T[i].norm() - 1) < 1e-3f)) return "a normal that is none";
+  }
   if (s.level_begin.front() != 0 || s.level_begin.back() != n) return "levels";
   for (std::size_t l = 0; l + 1 < s.level_begin.size(); ++l) {
     const std::uint32_t begin = s.level_begin[l], end = s.level_begin[l + 1];

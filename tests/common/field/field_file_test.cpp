@@ -4,6 +4,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <limits>
 
 #include "fault/fault.hpp"
 #include "field/distance_field.hpp"
@@ -131,6 +132,22 @@ TEST_F(FieldFile, BlocksThatAreNotThereAreRefused) {
   }
   save_field(lying, path_, 42);
   EXPECT_NE(refusal().find("not there"), std::string::npos);
+}
+
+TEST_F(FieldFile, PromisesOfDistanceThatAreNoneAreRefused) {
+  const auto spoiled = [&](auto&& spoil) {
+    FieldParts lying = parts_;
+    spoil(lying.coarse[lying.coarse.size() / 2]);
+    save_field(lying, path_, 42);
+    return refusal().find("a promise of distance that is none: delete it and bake again") != std::string::npos;
+  };
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
+  EXPECT_TRUE(spoiled([](CoarseEntry& entry) { entry.level = kNan; }));
+  EXPECT_TRUE(spoiled([](CoarseEntry& entry) { entry.tilt[1] = HalfFloat::toward_zero(kInf); }));
+  EXPECT_TRUE(spoiled([](CoarseEntry& entry) { entry.tilt[2] = HalfFloat::toward_zero(kNan); }));
+  EXPECT_TRUE(spoiled([](CoarseEntry& entry) { entry.inverse_slope = HalfFloat::toward_zero(2); }));
+  EXPECT_TRUE(spoiled([](CoarseEntry& entry) { entry.inverse_slope = HalfFloat::toward_zero(-1); }));
+  EXPECT_FALSE(spoiled([](CoarseEntry&) {}));
 }
 
 TEST_F(FieldFile, UnwritableFolderIsOneClearError) {

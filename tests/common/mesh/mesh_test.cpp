@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <limits>
 
 #include "fault/fault.hpp"
 
@@ -52,6 +53,15 @@ TEST_F(MeshFile, MissingTruncatedForeignAndDamagedAreRefused) {
     file.put('x');
   }
   EXPECT_NE(refusal().find("damaged"), std::string::npos);
+}
+
+TEST_F(MeshFile, VerticesThatAreNowhereAreRefused) {
+  for (const float nowhere : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    Mesh bad = mesh_;
+    bad.vertices[2].y() = nowhere;
+    save_mesh(bad, path_);
+    EXPECT_NE(refusal().find("inconsistent: a vertex is nowhere: delete it and bake again"), std::string::npos);
+  }
 }
 
 TEST_F(MeshFile, TrianglesOfMissingVerticesAreRefused) {

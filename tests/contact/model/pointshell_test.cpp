@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <limits>
 
 #include "fault/fault.hpp"
 
@@ -101,6 +102,29 @@ TEST_F(PointshellFile, HierarchiesThatLeadAstrayAreRefused) {
   EXPECT_TRUE(spoiled([](Pointshell& s) { s.level_begin[1] = 9; }));
   EXPECT_TRUE(spoiled([](Pointshell& s) { s.level_begin[3] = 5; }));
   EXPECT_FALSE(spoiled([](Pointshell&) {}));
+}
+
+TEST_F(PointshellFile, NumbersThatAreNoneAreRefused) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
+  const auto reason = [&](auto&& spoil) {
+    Pointshell s = small_shell();
+    spoil(s);
+    save_pointshell(s, path_);
+    const std::string all = refusal(), before = "the pointshell is inconsistent: ";
+    const auto at = all.find(before);
+    return at == all.npos ? all : all.substr(at + before.size());
+  };
+  const std::string end = ": delete it and bake again";
+  EXPECT_EQ(reason([](Pointshell& s) { s = Pointshell{}, s.level_begin = {0, 0}; }), "no points" + end);
+  EXPECT_EQ(reason([](Pointshell& s) { s.position_T[5].z() = kNan; }), "a point that is nowhere" + end);
+  EXPECT_EQ(reason([](Pointshell& s) { s.radius_m[1] = -0.1f; }), "a point that is nowhere" + end);
+  EXPECT_EQ(reason([](Pointshell& s) { s.area_m2[1] = kInf; }), "a point that is nowhere" + end);
+  EXPECT_EQ(reason([](Pointshell& s) { s.normal_T[3].setZero(); }), "a normal that is none" + end);
+  EXPECT_EQ(reason([](Pointshell& s) { s.normal_T[3].x() = kNan; }), "a normal that is none" + end);
+  EXPECT_EQ(reason([](Pointshell& s) { s.X_TM.q.w() = 2; }), "its mesh frame" + end);
+  EXPECT_EQ(reason([](Pointshell& s) { s.X_TM.p.x() = kInf; }), "its mesh frame" + end);
+  EXPECT_EQ(reason([](Pointshell& s) { s.inertia_shape_m2(2, 0) = kNan; }), "its inertia" + end);
+  EXPECT_EQ(reason([](Pointshell& s) { s.gyration_radius_m = -1; }), "its radii or spacing" + end);
 }
 
 }  // namespace
