@@ -8,9 +8,9 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <optional>
 
+#include "contact/bake/bake_report.hpp"
 #include "contact/bake/content_key.hpp"
 #include "contact/model/pointshell.hpp"
 #include "fault/fault.hpp"
@@ -72,6 +72,7 @@ struct TemporaryFile {
 };
 
 struct Part {
+  BakedPart part;
   const char* name;  ///< "obstacle", "tool"
   const BodySpec& body;
   std::uint64_t key;
@@ -80,7 +81,7 @@ struct Part {
 };
 
 /// The body if all its files are there and sound; `refused` says why files that are there are not.
-std::optional<BakedBody> look_up(const Part& part, nlohmann::json& report, std::string& refused) {
+std::optional<BakedBody> look_up(const Part& part, BakeReport& report, std::string& refused) {
   std::error_code error;
   for (const auto& path : {part.files.data, part.files.mesh, part.files.report}) {
     if (!std::filesystem::exists(path, error)) return std::nullopt;
@@ -89,10 +90,10 @@ std::optional<BakedBody> look_up(const Part& part, nlohmann::json& report, std::
   try {
     part.check(part.files, part.key);
     load_mesh(part.files.mesh);
-    report = nlohmann::json::parse(std::ifstream(part.files.report));
-    body.bake_seconds = report.at("seconds");
-    body.bake_peak_bytes = report.at("peak_memory_bytes");
-    body.warnings = report.at("warnings").get<std::vector<std::string>>();
+    report = read_bake_report(part.files.report, part.part);
+    body.bake_seconds = report.seconds;
+    body.bake_peak_bytes = report.peak_memory_bytes;
+    body.warnings = report.warnings;
     body.bytes = std::filesystem::file_size(part.files.data);
   } catch (const std::exception& reason) {  // damaged, foreign or of an old schema: made anew
     refused = reason.what();
@@ -131,7 +132,7 @@ class Cleaner {
 
 /// From the cache, or baked by the child.
 BakedBody ensure_part(const SceneSpec& scene, const Part& part, const std::filesystem::path& cache,
-                      const BakeProgress& progress, const std::filesystem::path& program, nlohmann::json& report) {
+                      const BakeProgress& progress, const std::filesystem::path& program, BakeReport& report) {
   std::string refused;
   if (auto found = look_up(part, report, refused)) return *found;
   const FileLock lock(part.files.lock, part.name, progress);
@@ -159,10 +160,6 @@ BakedBody ensure_part(const SceneSpec& scene, const Part& part, const std::files
   baked->from_cache = false;
   if (!refused.empty()) baked->warnings.push_back(refused + "; baked anew");
   return *baked;
-}
-
-std::optional<double> number(const nlohmann::json& value) {
-  return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
 }
 
 /// Whether a thin part of the obstacle may pass between the points: a hole between them is twice as wide as its middle
@@ -193,26 +190,22 @@ BakedScene ensure_baked(const SceneSpec& scene, const std::filesystem::path& cac
   const auto check_field = [](const BakedFiles& f, std::uint64_t key) { DistanceField::open(f.data, key); };
   const auto check_shell = [](const BakedFiles& f, std::uint64_t key) { load_pointshell(f.data, key); };
   BakedScene baked;
-  nlohmann::json report;
-  try {
-    baked.obstacle = ensure_part(scene, {"obstacle", scene.obstacle, field_key, field_files, check_field}, cache,
-                                 progress, program, report);
-    const nlohmann::json& field = report.at("field");
-    baked.voxel_m = field.at("voxel_m");
-    baked.field_error_max_m = number(field.at("error_largest_m"));
-    baked.field_error_rms_m = number(field.at("error_rms_m"));
-    if (const auto wall = number(field.at("thinnest_wall_mm"))) baked.thinnest_wall_m = 1e-3 * *wall;
-    if (const auto gap = number(field.at("narrowest_gap_mm"))) baked.narrowest_gap_m = 1e-3 * *gap;
+  BakeReport report;
+  baked.obstacle =
+      ensure_part(scene, {BakedPart::obstacle, "obstacle", scene.obstacle, field_key, field_files, check_field}, cache,
+                  progress, program, report);
+  baked.voxel_m = report.voxel_m;
+  baked.field_error_max_m = report.error_max_m;
+  baked.field_error_rms_m = report.error_rms_m;
+  baked.thinnest_wall_m = report.thinnest_wall_m;
+  baked.narrowest_gap_m = report.narrowest_gap_m;
 
-    const std::uint64_t shell_key = tool_key(scene, tool_spacing_m(scene, field_files));
-    baked.tool = ensure_part(scene, {"tool", scene.tool, shell_key, tool_files(cache, shell_key), check_shell}, cache,
-                             progress, program, report);
-    baked.points = report.at("shell").at("points");
-    baked.largest_gap_voxels = report.at("shell").at("largest_gap_m").get<double>() / baked.voxel_m;
-  } catch (const nlohmann::json::exception& reason) {
-    throw SetupError(cache.string() + ": a bake report there lacks what it should say (" + reason.what() +
-                     "): delete it and bake again");
-  }
+  const std::uint64_t shell_key = tool_key(scene, tool_spacing_m(scene, field_files));
+  baked.tool =
+      ensure_part(scene, {BakedPart::tool, "tool", scene.tool, shell_key, tool_files(cache, shell_key), check_shell},
+                  cache, progress, program, report);
+  baked.points = report.points;
+  baked.largest_gap_voxels = report.largest_gap_m / baked.voxel_m;
   check_coverage(scene, baked);
   return baked;
 }

@@ -1,10 +1,10 @@
 #include "contact/bake/content_key.hpp"
 
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <vector>
 
+#include "contact/bake/bake_report.hpp"
 #include "fault/fault.hpp"
 #include "file/sealed_file.hpp"
 #include "session/mesh_parts.hpp"
@@ -95,13 +95,11 @@ std::uint64_t tool_key(const SceneSpec& scene, double spacing_m) {
 
 double tool_spacing_m(const SceneSpec& scene, const BakedFiles& obstacle) {
   if (!(scene.spacing_voxels > 0)) return 0;
-  const auto report = nlohmann::json::parse(std::ifstream(obstacle.report), nullptr, false);
-  const auto voxel = nlohmann::json::json_pointer("/field/voxel_m");
-  if (report.is_discarded() || !report.contains(voxel) || !report[voxel].is_number()) {
+  if (!std::filesystem::exists(obstacle.report)) {
     throw SetupError(obstacle.report.string() +
                      ": no voxel there, which tool.spacing_voxels counts in: bake the obstacle first");
   }
-  return scene.spacing_voxels * report[voxel].get<double>();
+  return scene.spacing_voxels * read_bake_report(obstacle.report, BakedPart::obstacle).voxel_m;
 }
 
 BakedFiles obstacle_files(const std::filesystem::path& cache, std::uint64_t key) {

@@ -219,6 +219,19 @@ TEST_F(BakedSceneTest, DamagedFilesAreBakedAnew) {
   }
 }
 
+TEST_F(BakedSceneTest, AReportThatLacksSomethingIsMadeAnew) {
+  const BakedScene first = bake();
+  auto report = nlohmann::json::parse(std::ifstream(first.obstacle.report));
+  report["field"].erase("voxel_m");
+  std::ofstream(first.obstacle.report) << report;
+  const BakedScene again = bake();
+  EXPECT_EQ(again.voxel_m, first.voxel_m);
+  EXPECT_FALSE(again.obstacle.from_cache);
+  EXPECT_TRUE(again.tool.from_cache);
+  ASSERT_FALSE(again.obstacle.warnings.empty());
+  EXPECT_TRUE(says(again.obstacle.warnings.back(), "/field/voxel_m: found nothing"));
+}
+
 TEST_F(BakedSceneTest, TwoAtOnceShareOneBake) {
   BakedScene a, b;
   std::thread other([&] { a = bake(); });
