@@ -81,38 +81,35 @@ DistanceField make_field(FieldParts parts, std::uint64_t content_hash) {
   return field;
 }
 
-namespace {
-
 /// For a point p outside the grid, p' the nearest point of the grid (a convex box) and any q inside it:
-/// |p - q|^2 >= |p - p'|^2 + |p' - q|^2. Combines the distance to the grid with a promise made at p'.
-double beyond(double to_grid_m, double at_nearest_m, double slack_m) noexcept {
-  const double a = std::max(0.0, to_grid_m - slack_m), b = std::max(0.0, at_nearest_m - slack_m);
-  return std::sqrt(a * a + b * b);
-}
-
-}  // namespace
-
-double DistanceField::outside_clearance(const Vec3& u) const noexcept {
+/// |p - q|^2 >= |p - p'|^2 + |p' - q|^2. Combines the distance to the grid with what `promise` says at p'.
+template <class Promise>
+double DistanceField::beyond(const Vec3& u, Promise promise) const noexcept {
   if (!(std::fabs(u.x()) + std::fabs(u.y()) + std::fabs(u.z()) < kFarthest)) return -band_m_;  // NaN too
   const Vec3 nearest = u.cwiseMax(kInset).cwiseMin((cells_.array() - kInset).matrix());
   double square = 0;
   for (int i = 0; i < 3; ++i) square += (u[i] - nearest[i]) * (u[i] - nearest[i]);
-  return beyond(voxel_m_ * std::sqrt(square), probe_cell(cell_at(nearest)).clearance_m, kInsetSlack * voxel_m_);
+  const double slack_m = kInsetSlack * voxel_m_;
+  const double a = std::max(0.0, voxel_m_ * std::sqrt(square) - slack_m),
+               b = std::max(0.0, promise(cell_at(nearest)) - slack_m);
+  return std::sqrt(a * a + b * b);
+}
+
+double DistanceField::outside_clearance(const Vec3& u) const noexcept {
+  return beyond(u, [this](const Cell& c) { return probe_cell(c).clearance_m; });
 }
 
 double DistanceField::lower_bound(const Vec3& p_O) const noexcept {
   const Cell c = find(p_O);
-  if (c.entry == nullptr) {
-    if (!p_O.allFinite()) return -band_m_;
-    const Vec3 inset = Vec3::Constant(kInset * voxel_m_);
-    const Vec3 nearest = p_O.cwiseMax(min_O_ + inset).cwiseMin(max_O() - inset);
-    return beyond((p_O - nearest).norm(), lower_bound(nearest), kInsetSlack * voxel_m_);
-  }
+  return c.entry != nullptr ? lower_bound(c) : beyond(c.u, [this](const Cell& at) { return lower_bound(at); });
+}
+
+double DistanceField::lower_bound(const Cell& c) const noexcept {
   if (!c.entry->stored()) return c.entry->inside() ? -band_m_ : boundary_bound(c);
   // Corners are exact to half a step, and the distance is 1-Lipschitz: the mean of eight corners errs by at most
   // their mean distance, sqrt(3)/2 h.
   constexpr double kHalfDiagonal = 0.8661;
-  const double value = probe(p_O).value_m - kHalfDiagonal * voxel_m_ - scale_m_;
+  const double value = probe_cell(c).value_m - kHalfDiagonal * voxel_m_ - scale_m_;
   return c.entry->inverse_slope.value() > 0 ? value : std::min(value, 0.0);  // the sign may be wrong near jumps
 }
 

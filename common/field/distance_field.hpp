@@ -99,7 +99,10 @@ class DistanceField {
   };
   Corners corners(const Cell& c) const noexcept;
   Probe probe_cell(const Cell& c) const noexcept;
+  template <class Promise>
+  double beyond(const Vec3& u, Promise promise) const noexcept;
   double outside_clearance(const Vec3& u) const noexcept;
+  double lower_bound(const Cell& c) const noexcept;
   double boundary_bound(const Cell& c) const noexcept;
   void adopt(const FieldGrid& grid, const CoarseEntry* coarse, const FieldBlock* blocks) noexcept;
 

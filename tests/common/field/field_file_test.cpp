@@ -150,6 +150,23 @@ TEST_F(FieldFile, PromisesOfDistanceThatAreNoneAreRefused) {
   EXPECT_FALSE(spoiled([](CoarseEntry&) {}));
 }
 
+/// Found by tests/fuzz: so far from the origin a voxel is less than the rounding of a place, and the nearest place in the
+/// grid was looked for without end.
+TEST_F(FieldFile, AGridThatIsFarOffAnswersForEveryPlace) {
+  for (const double off : {1e6, 1e20, -1e20, 1e300}) {
+    FieldParts far = parts_;
+    far.grid.min_O += Vec3::Constant(off);
+    save_field(far, path_, 42);
+    const DistanceField field = DistanceField::open(path_);
+    for (const double at : {-1e300, -1e20, -1.0, 0.0, 1.0, 1e6, 1e20}) {
+      for (const Vec3& p : {Vec3(at, 0, 0), Vec3(Vec3::Constant(at))}) {
+        EXPECT_FALSE(std::isnan(field.lower_bound(p))) << off << " " << at;
+        EXPECT_FALSE(std::isnan(field.probe(p).clearance_m)) << off << " " << at;
+      }
+    }
+  }
+}
+
 TEST_F(FieldFile, UnwritableFolderIsOneClearError) {
   try {
     save_field(parts_, folder_ / "missing" / "x.field", 1);
