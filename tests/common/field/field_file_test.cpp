@@ -150,8 +150,8 @@ TEST_F(FieldFile, PromisesOfDistanceThatAreNoneAreRefused) {
   EXPECT_FALSE(spoiled([](CoarseEntry&) {}));
 }
 
-/// Found by tests/fuzz: so far from the origin a voxel is less than the rounding of a place, and the nearest place in the
-/// grid was looked for without end.
+/// Found by tests/fuzz: so far from the origin a voxel is less than the rounding of a place, and the nearest place in
+/// the grid was looked for without end.
 TEST_F(FieldFile, AGridThatIsFarOffAnswersForEveryPlace) {
   for (const double off : {1e6, 1e20, -1e20, 1e300}) {
     FieldParts far = parts_;
