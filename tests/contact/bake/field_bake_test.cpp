@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "math/exp_log.hpp"
 #include "test_meshes.hpp"
 
 namespace tact::contact {
@@ -263,6 +264,118 @@ TEST(BakeField, AnOpenEndIsClosedByTheVoteAndDeclared) {
   }
   EXPECT_EQ(wrong_and_unsaid, 0);
   EXPECT_LT(wrong, 2500);
+}
+
+/// As exporters lose triangles: the body is what it was, and what is not sure is little.
+TEST(BakeField, ABodyWithAFewOfItsTrianglesMissingStaysWhatItIs) {
+  const Mesh ring = test::torus_mesh(0.04, 0.015, 60, 40);  // facets of three voxels
+  for (const int k : {200, 50, 20}) {
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+      const Baked baked = bake(test::torn(ring, k, seed), 64);
+      EXPECT_EQ(baked.report.jumping_blocks, 0u);
+      EXPECT_LT(baked.report.signs.doubtful_blocks, baked.report.blocks_stored / 10);
+      const Errors errors = compare(baked.field, torus_m);
+      EXPECT_EQ(errors.wrong_sign, 0);
+      EXPECT_LT(errors.value, 0.3);
+    }
+  }
+}
+
+/// The tip of a cone is gone: how far it went up nobody knows, and that is said.
+TEST(BakeField, AHoleThatMayHaveBeenATipIsClosedAndDeclared) {
+  Mesh cone = test::cylinder_mesh(0.02, 0.03, 90);
+  for (std::size_t v = 1; v < 180; v += 2) {
+    cone.vertices[v].head<2>() *= 0.2f;  // 20 mm wide below, 4 mm above
+  }
+  const Baked sound = bake(cone, 64);
+  std::erase_if(cone.triangles, [](const auto& t) { return t[0] == 181; });  // the small end
+  const Baked open = bake(cone, 64);
+  EXPECT_EQ(open.soup.capped_holes, 1u);
+  EXPECT_EQ(sound.report.signs.doubtful_blocks, 0u);
+  EXPECT_GT(open.report.signs.doubtful_blocks, 0u);
+  EXPECT_TRUE(open.field.sample(Vec3(0, 0, 0.0305)).doubtful);
+  EXPECT_FALSE(open.field.sample(Vec3(0, 0, -0.02)).doubtful);
+  EXPECT_EQ(compare(
+                open.field, [&](const Vec3& p) { return sound.field.sample(p).value_m; }, 0)
+                .wrong_sign,
+            0);
+}
+
+/// Two spheres without their poles, so that neither is closed: what both hold is inside, and said to be doubtful, for
+/// the inner of two nested surfaces may as well be a cavity.
+TEST(BakeField, OpenBodiesThatOverlapAreTheirUnion) {
+  const auto barrel = [](double x) {
+    Mesh sphere = test::sphere_mesh(Vec3(x, 0, 0), 0.02, 24);
+    std::erase_if(sphere.triangles, [&](const auto& t) {
+      return std::any_of(t.begin(), t.end(), [&](auto v) { return std::fabs(sphere.vertices[v].z()) > 0.0165f; });
+    });
+    return sphere;
+  };
+  Mesh mesh = barrel(0);
+  test::append(mesh, barrel(0.02));
+  const Baked baked = bake(mesh, 96);
+  EXPECT_EQ(baked.soup.open_components, 2u);
+  const auto distance = [](const Vec3& p) { return std::min(p.norm(), (p - Vec3(0.02, 0, 0)).norm()) - 0.02; };
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> unit(0, 1);
+  int both = 0, inside = 0, wrong = 0, unsaid = 0;
+  for (int i = 0; i < 50000; ++i) {
+    const Vec3 p =
+        baked.field.min_O() +
+        Vec3(unit(random), unit(random), unit(random)).cwiseProduct(baked.field.max_O() - baked.field.min_O());
+    if (std::fabs(p.z()) > 0.012 || std::fabs(distance(p)) < 2 * baked.field.voxel_m()) continue;
+    const auto s = baked.field.sample(p);
+    const bool overlap = std::max(p.norm(), (p - Vec3(0.02, 0, 0)).norm()) < 0.02 - 2 * baked.field.voxel_m();
+    both += overlap ? 1 : 0;
+    inside += overlap && s.value_m < 0 ? 1 : 0;
+    wrong += (distance(p) < 0) != (s.value_m < 0) && !s.doubtful ? 1 : 0;
+    unsaid += overlap && !s.doubtful ? 1 : 0;
+  }
+  EXPECT_GT(both, 500);
+  EXPECT_EQ(inside, both);
+  EXPECT_EQ(wrong, 0);
+  EXPECT_EQ(unsaid, 0);
+}
+
+/// Where a side is missing a small body is of one piece with the air about it, which is farther from any surface: the
+/// few corners inside must be asked all the same.
+TEST(BakeField, SmallBodiesWithoutASideAreRightOrDeclared) {
+  Mesh mesh = test::box_mesh(Vec3(-0.1, -0.1, -0.1), Vec3(-0.09, -0.09, 0.1));  // sets the scale: a voxel is 2 mm
+  struct Box {
+    Quat R;
+    Vec3 centre, half;
+  };
+  std::vector<Box> boxes;
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 place(i % 6, i / 6 % 6, i / 36);
+    Box box{exp_so3(2 * Vec3(unit(random), unit(random), unit(random))), -Vec3::Constant(0.07) + 0.03 * place,
+            0.001 * (Vec3(3.5, 3.5, 3.5) + 1.5 * Vec3(unit(random), unit(random), unit(random)))};
+    Mesh small = test::box_mesh(-box.half, box.half);
+    small.triangles.resize(10);
+    for (auto& v : small.vertices) v = (box.R * v.cast<double>() + box.centre).cast<float>();
+    test::append(mesh, small);
+    boxes.push_back(std::move(box));
+  }
+  const Baked baked = bake(mesh, 100);
+  EXPECT_EQ(baked.soup.open_components, 200u);
+  const double h = baked.field.voxel_m();
+  int judged = 0, inside = 0, unsaid = 0;
+  for (const Box& box : boxes) {
+    for (int i = 0; i < 500; ++i) {
+      const Vec3 q = (box.half.maxCoeff() + 0.002) * Vec3(unit(random), unit(random), unit(random));
+      const double exact = test::box_distance(q, -box.half, box.half);
+      const auto s = baked.field.sample(box.R * q + box.centre);
+      if (std::fabs(exact) < 0.5 * h || std::fabs(s.value_m) < 0.5 * h) continue;
+      ++judged;
+      inside += exact < 0 ? 1 : 0;
+      unsaid += (exact < 0) != (s.value_m < 0) && !s.doubtful ? 1 : 0;
+    }
+  }
+  EXPECT_GT(judged, 20000);
+  EXPECT_GT(inside, 3000);
+  EXPECT_EQ(unsaid, 0);
 }
 
 TEST(BakeField, ASheetWithAThicknessIsAPlate) {

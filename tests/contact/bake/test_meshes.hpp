@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <random>
 
 #include "mesh/mesh.hpp"
 
@@ -120,6 +121,14 @@ inline Mesh doubly_faced(const Mesh& mesh) {
   Mesh both = mesh;
   for (const auto& t : mesh.triangles) both.triangles.push_back({t[2], t[1], t[0]});
   return both;
+}
+
+/// One triangle in `k` missing, anywhere.
+inline Mesh torn(const Mesh& mesh, int k, unsigned seed) {
+  Mesh rest = mesh;
+  std::mt19937 random(seed);
+  std::erase_if(rest.triangles, [&](const auto&) { return random() % static_cast<unsigned>(k) == 0; });
+  return rest;
 }
 
 /// Every k-th triangle the other way round.

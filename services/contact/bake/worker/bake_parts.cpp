@@ -149,7 +149,7 @@ std::vector<std::string> soup_warnings(const BodySpec& body, const SoupReport& r
     w.push_back(name + n(r.seam_vertices) + " corners along open seams were joined to their neighbours");
   }
   if (r.capped_holes > 0) {
-    w.push_back(name + n(r.capped_holes) + " small holes were capped to tell inside from outside");
+    w.push_back(name + n(r.capped_holes) + " small holes were closed");
   }
   if (r.turned_triangles > 0) {
     w.push_back(name + n(r.turned_triangles) + " triangles faced the other way than their part and were turned over");

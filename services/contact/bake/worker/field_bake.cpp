@@ -2,10 +2,12 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "contact/bake/worker/block_distances.hpp"
+#include "contact/bake/worker/edges.hpp"
 #include "contact/bake/worker/parallel.hpp"
 #include "fault/fault.hpp"
 
@@ -126,6 +128,64 @@ void add_sheets(FieldParts& parts, const SplitSoup& split, const StageProgress& 
   });
 }
 
+/// Blocks, by index, that the rim of a hole which was not closed passes through.
+std::vector<std::uint8_t> find_rim(const FieldGrid& grid, const Soup& soup) {
+  std::vector<std::uint8_t> rim(grid.block_count(), 0);
+  const double block_m = kBlockCells * grid.voxel_m;
+  for_each_edge(edges_of(soup.mesh.triangles), [&](const Edge* first, const Edge* last) {
+    if (last - first != 1 || soup.closed.of[first->triangle] != 0) return;
+    const Vec3 a = (soup.mesh.vertices[first->a].cast<double>() - grid.min_O) / block_m,
+               b = (soup.mesh.vertices[first->b].cast<double>() - grid.min_O) / block_m;
+    const int steps = 1 + static_cast<int>(2 * kBlockCells * (b - a).norm());  // half a voxel
+    for (int k = 0; k <= steps; ++k) {
+      const Vec3 at = a + (b - a) * (static_cast<double>(k) / steps);
+      const double hair = 1.0 / kBlockCells;  // corners across a face of the block are its own too
+      for (int corner = 0; corner < 8; ++corner) {
+        std::array<int, 3> block;
+        for (int i = 0; i < 3; ++i) {
+          const auto axis = static_cast<std::size_t>(i);
+          block[axis] =
+              std::clamp(static_cast<int>(at[i] + ((corner >> i) & 1 ? hair : -hair)), 0, grid.blocks[axis] - 1);
+        }
+        rim[grid.block_index(block[0], block[1], block[2])] = 1;
+      }
+    }
+  });
+  return rim;
+}
+
+/// What closes a hole is a guess: blocks are doubtful as far off as it may be wrong, if the grid resolves that.
+void doubt_holes(FieldParts& parts, const Soup& soup) {
+  const FieldGrid& grid = parts.grid;
+  const double block_m = kBlockCells * grid.voxel_m, half_diagonal = std::sqrt(3.0) / 2 * block_m;
+  for (const Hole& hole : soup.closed.holes) {
+    if (hole.error_m < 0.5 * grid.voxel_m) continue;
+    for (std::uint32_t k = hole.first; k < hole.first + hole.count; ++k) {
+      Vec3 corner[3];
+      for (std::size_t i = 0; i < 3; ++i) corner[i] = soup.mesh.vertices[soup.closed.caps[k][i]].cast<double>();
+      const Triangle cap(corner[0], corner[1], corner[2]);
+      const Vec3 reach = Vec3::Constant(hole.error_m);
+      const Vec3 low = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]) - reach - grid.min_O,
+                 high = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]) + reach - grid.min_O;
+      std::array<int, 3> first, last;
+      for (int a = 0; a < 3; ++a) {
+        const auto i = static_cast<std::size_t>(a);
+        first[i] = std::max(0, static_cast<int>(low[a] / block_m));
+        last[i] = std::min(grid.blocks[i] - 1, static_cast<int>(high[a] / block_m));
+      }
+      for (int z = first[2]; z <= last[2]; ++z) {
+        for (int y = first[1]; y <= last[1]; ++y) {
+          for (int x = first[0]; x <= last[0]; ++x) {
+            const double reached = half_diagonal + hole.error_m;
+            if (cap.square_distance(grid.block_centre_O(x, y, z)) > reached * reached) continue;
+            parts.coarse[grid.block_index(x, y, z)].slot_and_flags |= CoarseEntry::kDoubtful;
+          }
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 
 FieldParts bake_field(const Soup& soup, const FieldOptions& options, const StageProgress& progress,
@@ -142,7 +202,8 @@ FieldParts bake_field(const Soup& soup, const FieldOptions& options, const Stage
 
   coarse_distances(parts, split, progress);
   solid_distances(parts, split, progress);
-  report.signs = settle_signs(parts, split.inside, progress);
+  report.signs = settle_signs(parts, split.inside, find_rim(parts.grid, soup), progress);
+  doubt_holes(parts, soup);
   if (!split.sheets.empty()) add_sheets(parts, split, progress);
   const FieldTally tally = finish(parts);
 

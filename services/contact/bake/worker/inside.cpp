@@ -36,23 +36,26 @@ std::vector<Crossing>& scratch() {
 
 }  // namespace
 
-Inside::Inside(Surface surface, std::vector<std::uint32_t> part, std::vector<std::int8_t> role)
+Inside::Inside(Surface surface, std::vector<std::uint32_t> part, std::vector<std::uint32_t> component,
+               std::vector<std::int8_t> role)
     : surface_(std::move(surface)),
       part_(std::make_shared<const std::vector<std::uint32_t>>(std::move(part))),
+      component_(std::make_shared<const std::vector<std::uint32_t>>(std::move(component))),
       role_(std::move(role)) {}
 
-Inside::Answer Inside::ask_ray(const Vec3& p, const Vec3& direction) const {
+Inside::Answer Inside::ask_ray(const Vec3& p, const Vec3& direction, std::vector<std::uint32_t>& odd) const {
   std::vector<Crossing>& found = scratch();
   surface_.cross(p, direction, kForEver, found);
   int held = 0;
   bool by_closed_parts = true;
-  std::size_t n = found.size();
-  while (n > 0) {  // one part after the other; there are few along a ray
-    const std::uint32_t part = this->part(found[n - 1].triangle);
+  std::size_t n = found.size(), open = 0;
+  while (n > 0) {  // one part after the other, or component of the rest; there are few along a ray
+    const std::uint32_t part = this->part(found[n - 1].triangle), component = (*component_)[found[n - 1].triangle];
     int winding = 0, crossings = 0;
     std::size_t others = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      if (this->part(found[i].triangle) == part) {
+      const std::uint32_t t = found[i].triangle;
+      if (this->part(t) == part && (part != 0 || (*component_)[t] == component)) {
         winding += found[i].against ? 1 : -1;
         ++crossings;
       } else {
@@ -61,39 +64,62 @@ Inside::Answer Inside::ask_ray(const Vec3& p, const Vec3& direction) const {
     }
     n = others;
     by_closed_parts = by_closed_parts && part != 0;
-    if (part == 0 ? crossings % 2 == 1 : winding != 0) held += role_[part];
+    if (part != 0) {
+      if (winding != 0) held += role_[part];
+    } else if (crossings % 2 == 1) {
+      odd.push_back(component);
+      ++open;
+    }
   }
-  return {held > 0, by_closed_parts};
+  if (open % 2 == 1) held += role_[0];
+  return {held > 0, by_closed_parts, open};
+}
+
+Vote Inside::count(int in, std::vector<std::uint32_t>& odd, double close_from) const {
+  constexpr double kRays = 2 * kPairs, kMost = 0.6 * kRays;
+  std::sort(odd.begin(), odd.end());
+  bool alone = false;
+  for (auto first = odd.begin(); first != odd.end() && !alone;) {
+    const auto last = std::upper_bound(first, odd.end(), *first);
+    alone = static_cast<double>(last - first) > kMost;
+    first = last;
+  }
+  const bool together = in > kMost, disputed = alone && !together;
+  return {together || alone, disputed || (in >= close_from * kRays && in <= (1 - close_from) * kRays), false, disputed};
 }
 
 Vote Inside::vote(const Vec3& p) const {
   int in = 0, out = 0;
-  bool by_closed_parts = true;
+  bool by_closed_parts = true, several = false;
+  thread_local std::vector<std::uint32_t> odd;
+  odd.clear();
   const auto cast = [&](int from, int to) {
     for (int i = from; i < to; ++i) {
       const Vec3& d = directions()[static_cast<std::size_t>(i)];
-      for (const Answer answer : {ask_ray(p, d), ask_ray(p, -d)}) {
+      for (const Vec3& along : {d, Vec3(-d)}) {
+        const Answer answer = ask_ray(p, along, odd);
         ++(answer.inside ? in : out);
         by_closed_parts = by_closed_parts && answer.by_closed_parts;
+        several = several || (answer.open > 1 && !answer.inside);
       }
     }
   };
   cast(0, 2);
-  if (in == 0 || out == 0) return {in > 0, false, by_closed_parts};
+  if (!several && (in == 0 || out == 0)) return {in > 0, false, by_closed_parts};
   cast(2, 4);
-  if (in >= 7 || out >= 7) return {in >= 7, false, false};
+  if (!several && (in >= 7 || out >= 7)) return {in >= 7, false, false};
   cast(4, kPairs);
-  return {10 * in > 6 * (in + out), 10 * in >= 4 * (in + out) && 10 * in <= 6 * (in + out), false};
+  return count(in, odd, 0.4);
 }
 
 Vote Inside::careful_vote(const Vec3& p) const {
   int in = 0;
+  thread_local std::vector<std::uint32_t> odd;
+  odd.clear();
   for (const Vec3& d : directions()) {
-    in += ask_ray(p, d).inside ? 1 : 0;
-    in += ask_ray(p, -d).inside ? 1 : 0;
+    for (const Vec3& along : {d, Vec3(-d)}) in += ask_ray(p, along, odd).inside ? 1 : 0;
   }
-  constexpr int kRays = 2 * kPairs;
-  return {10 * in > 6 * kRays, 4 * in >= kRays && 4 * in <= 3 * kRays, false};
+  return count(in, odd, 0.25);
 }
 
 std::vector<std::uint32_t> Inside::parts_around(const Vec3& p) const {

@@ -90,14 +90,21 @@ Labels label_block(const FieldBlock& block, double cell_steps) {
 
 class Solver {
  public:
-  Solver(FieldParts& parts, const Inside& side, const StageProgress& progress)
-      : parts_(parts), inside_(side), progress_(progress), block_at_(parts.blocks.size()) {
+  Solver(FieldParts& parts, const Inside& side, const std::vector<std::uint8_t>& rim, const StageProgress& progress)
+      : parts_(parts),
+        inside_(side),
+        progress_(progress),
+        block_at_(parts.blocks.size()),
+        on_rim_(parts.blocks.size(), 0) {
     const FieldGrid& grid = parts.grid;
     for (int z = 0; z < grid.blocks[2]; ++z) {
       for (int y = 0; y < grid.blocks[1]; ++y) {
         for (int x = 0; x < grid.blocks[0]; ++x) {
-          const CoarseEntry& entry = parts.coarse[grid.block_index(x, y, z)];
-          if (entry.stored()) block_at_[entry.slot()] = {x, y, z};
+          const std::size_t index = grid.block_index(x, y, z);
+          const CoarseEntry& entry = parts.coarse[index];
+          if (!entry.stored()) continue;
+          block_at_[entry.slot()] = {x, y, z};
+          on_rim_[entry.slot()] = rim[index];
         }
       }
     }
@@ -128,8 +135,10 @@ class Solver {
                                 kBlockCells * b[1] + i / kBlockCorners % kBlockCorners,
                                 kBlockCells * b[2] + i / (kBlockCorners * kBlockCorners));
   }
-  bool vote(const Vec3& p, bool& close) {
+  bool vote(const Vec3& p, bool& close) { return vote(p, close, close); }
+  bool vote(const Vec3& p, bool& close, bool& disputed) {
     const Vote v = inside_.vote(p);
+    disputed = disputed || v.disputed;
     if (v.close) {
       close = true;
       ++close_;
@@ -197,6 +206,7 @@ class Solver {
   void vote_parts() {
     part_inside_.assign(first_far_, 0);
     part_close_.assign(first_far_, 0);
+    part_disputed_.assign(first_far_, 0);
     parallel_stage("inside or outside", parts_.blocks.size(), progress_, [&](std::size_t i) {
       const auto slot = static_cast<std::uint32_t>(i);
       std::array<int, kAlone> best;
@@ -208,30 +218,34 @@ class Solver {
         if (best[l] < 0 || q[static_cast<std::size_t>(c)] > q[static_cast<std::size_t>(best[l])]) best[l] = c;
       }
       for (std::uint32_t l = 0; l < labels_[i].count; ++l) {
-        bool close = false;
-        part_inside_[first_part_[i] + l] = vote(corner(slot, best[l]), close);
+        bool close = false, disputed = false;
+        part_inside_[first_part_[i] + l] = vote(corner(slot, best[l]), close, disputed);
         part_close_[first_part_[i] + l] = close;
+        part_disputed_[first_part_[i] + l] = disputed;
       }
     });
   }
 
   void decide(UnionFind& regions) {
     struct Tally {
-      std::uint32_t in = 0, out = 0;
+      std::uint32_t in = 0, out = 0, disputed = 0;
     };
     const std::size_t nodes = first_far_ + parts_.coarse.size();
     std::vector<Tally> tally(nodes);
     for (std::uint32_t p = 0; p < first_far_; ++p) {
       Tally& t = tally[regions.find(p)];
       ++(part_inside_[p] ? t.in : t.out);
+      t.disputed += part_disputed_[p];
     }
     sign_.assign(nodes, unknown);
+    disputed_.assign(nodes, 0);
     for (std::uint32_t i = 0; i < nodes; ++i) {
       const bool used = i < first_far_ || !parts_.coarse[i - first_far_].stored();
       if (!used || regions.find(i) != i) continue;
       ++report_.components;
       const Tally& t = tally[i];
       const std::uint32_t all = t.in + t.out, few = std::min(t.in, t.out);
+      disputed_[i] = 2 * t.disputed > all;
       if (all == 0) {
         sign_[i] = leaking;  // no block beside it: each far block for itself
       } else if (static_cast<double>(few) <= 0.01 * all) {
@@ -250,7 +264,9 @@ class Solver {
     for (std::size_t i = 0; i < parts_.coarse.size(); ++i) {
       CoarseEntry& entry = parts_.coarse[i];
       if (entry.stored()) continue;
-      Sign s = sign_[regions.find(far(i))];
+      const std::uint32_t region = regions.find(far(i));
+      Sign s = sign_[region];
+      if (disputed_[region]) entry.slot_and_flags |= CoarseEntry::kDoubtful;
       if (s == leaking) {
         bool close = false;
         const auto n = static_cast<std::size_t>(parts_.grid.blocks[0]),
@@ -273,9 +289,11 @@ class Solver {
       const std::uint32_t p = first_part_[i] + l;
       const Sign s = sign_[root[p]];
       sign[l] = s;
+      doubtful = doubtful || part_disputed_[p];
       if (s == leaking) {
         sign[l] = spread_vote(slot, static_cast<std::uint8_t>(l), part_inside_[p] != 0);
         doubtful = doubtful || sign[l] == leaking || part_close_[p];
+        if (on_rim_[i] != 0) sign[l] = leaking;
       } else {
         doubtful = doubtful || (s == inside) != (part_inside_[p] != 0);  // outvoted
       }
@@ -322,18 +340,21 @@ class Solver {
   const StageProgress& progress_;
   SignReport report_;
   std::vector<std::array<int, 3>> block_at_;  ///< by slot
+  std::vector<std::uint8_t> on_rim_;          ///< by slot
   std::vector<Labels> labels_;                ///< by slot
   std::vector<std::uint32_t> first_part_;     ///< by slot: node of its region 0
   std::uint32_t first_far_ = 0;               ///< nodes from here on are unstored blocks, by block index
-  std::vector<std::uint8_t> part_inside_, part_close_;
-  std::vector<Sign> sign_;  ///< by node, at roots
+  std::vector<std::uint8_t> part_inside_, part_close_, part_disputed_;
+  std::vector<Sign> sign_;              ///< by node, at roots
+  std::vector<std::uint8_t> disputed_;  ///< the same: most parts of the region are
   std::atomic<std::size_t> alone_ = 0, close_ = 0;
 };
 
 }  // namespace
 
-SignReport settle_signs(FieldParts& parts, const Inside& inside, const StageProgress& progress) {
-  return Solver(parts, inside, progress).run();
+SignReport settle_signs(FieldParts& parts, const Inside& inside, const std::vector<std::uint8_t>& rim,
+                        const StageProgress& progress) {
+  return Solver(parts, inside, rim, progress).run();
 }
 
 }  // namespace tact::contact

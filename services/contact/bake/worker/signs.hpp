@@ -21,8 +21,10 @@ struct SignReport {
 /// Two corners with |d_a| + |d_b| > |a - b| have no surface between them, so they share a sign; so do the corners and
 /// neighbours of a block far from the surface. Such corners form regions. Every block votes on its part of each region
 /// (Inside::vote at the corner farthest from the surface); a region whose parts agree takes their sign. A region whose
-/// parts disagree leaks through a hole of the mesh: there each part, and near the hole each corner, votes for itself,
-/// and its blocks are marked doubtful. Corners in no region vote for themselves.
-SignReport settle_signs(FieldParts& parts, const Inside& inside, const StageProgress& progress);
+/// parts disagree leaks through a hole of the mesh: there each part votes for itself, and each corner in blocks on the
+/// hole's `rim` (by block index), where a thin part of the body is of one piece with the air. Blocks that disagree
+/// within are marked doubtful. Corners in no region vote for themselves.
+SignReport settle_signs(FieldParts& parts, const Inside& inside, const std::vector<std::uint8_t>& rim,
+                        const StageProgress& progress);
 
 }  // namespace tact::contact

@@ -169,10 +169,12 @@ void drop_slivers(const std::vector<Eigen::Vector3f>& vertices, double size, std
     }
     triangles[kept] = triangles[t];
     soup.open[kept] = soup.open[t];
+    soup.component[kept] = soup.component[t];
     soup.closed.of[kept++] = soup.closed.of[t];
   }
   triangles.resize(kept);
   soup.open.resize(kept);
+  soup.component.resize(kept);
   soup.closed.of.resize(kept);
 }
 
@@ -220,14 +222,15 @@ Soup clean_soup(const Mesh& mesh) {
     }
   });
   std::vector<std::uint8_t> open(triangles.size(), 0);
-  std::vector<std::uint32_t> component(triangles.size());
+  std::vector<std::uint32_t>& component = soup.component;
+  component.resize(triangles.size());
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     component[t] = parts.find(t);
     open[component[t]] |= rim[t];
   }
   soup.closed = orient_closed_parts(mesh.vertices, triangles, edges, component, doubled);
   report.closed_parts = soup.closed.parts.size();
-  report.capped_holes = soup.closed.holes;
+  report.capped_holes = soup.closed.holes.size();
   for (const ClosedPart& part : soup.closed.parts) report.turned_triangles += part.turned;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const std::uint32_t root = component[t];

@@ -28,9 +28,10 @@ struct SoupReport {
 };
 
 struct Soup {
-  Mesh mesh;                       ///< cleaned, vertices welded
-  std::vector<std::uint8_t> open;  ///< per triangle: part of an open component
-  ClosedParts closed;              ///< orientation repaired
+  Mesh mesh;                             ///< cleaned, vertices welded
+  std::vector<std::uint8_t> open;        ///< per triangle: part of an open component
+  std::vector<std::uint32_t> component;  ///< per triangle: names its connected component
+  ClosedParts closed;                    ///< orientation repaired
   SoupReport report;
 };
 

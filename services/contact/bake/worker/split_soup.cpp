@@ -12,17 +12,11 @@
 namespace tact::contact {
 namespace {
 
-/// The triangles of the parts that bound a volume, and to which closed part each belongs.
+/// The triangles of the parts that bound a volume, caps included, and to which closed part and component each belongs.
 struct Whole {
   Mesh mesh;
-  std::vector<std::uint32_t> part;
+  std::vector<std::uint32_t> part, component;
 };
-
-Whole with_caps(Whole whole, const ClosedParts& closed) {
-  whole.mesh.triangles.insert(whole.mesh.triangles.end(), closed.caps.begin(), closed.caps.end());
-  whole.part.insert(whole.part.end(), closed.cap_of.begin(), closed.cap_of.end());
-  return whole;
-}
 
 /// By part (0: the rest): the parts that hold all of it. Those that interpenetrate hold nothing of each other.
 using Containers = std::vector<std::vector<std::uint32_t>>;
@@ -98,7 +92,7 @@ double SplitSoup::signed_distance(const Vec3& p) const {
 
 SplitSoup split_soup(const Soup& soup, double sheet_thickness_m, const StageProgress& progress) {
   const bool plates = sheet_thickness_m > 0;
-  Whole whole{{soup.mesh.vertices, {}}, {}};
+  Whole whole{{soup.mesh.vertices, {}}, {}, {}};
   Mesh sheets{soup.mesh.vertices, {}};
   for (std::size_t t = 0; t < soup.mesh.triangles.size(); ++t) {
     if (plates && soup.open[t]) {
@@ -106,13 +100,15 @@ SplitSoup split_soup(const Soup& soup, double sheet_thickness_m, const StageProg
     } else {
       whole.mesh.triangles.push_back(soup.mesh.triangles[t]);
       whole.part.push_back(soup.closed.of[t]);
+      whole.component.push_back(soup.component[t]);
     }
   }
   const std::vector<ClosedPart>& parts = soup.closed.parts;
+  whole.mesh.triangles.insert(whole.mesh.triangles.end(), soup.closed.caps.begin(), soup.closed.caps.end());
+  whole.part.insert(whole.part.end(), soup.closed.cap_of.begin(), soup.closed.cap_of.end());
+  whole.component.resize(whole.part.size(), 0);  // asked of open parts only
   const Surface surface(whole.mesh);
-  const Whole judged = with_caps(whole, soup.closed);
-  const Surface capped = soup.closed.caps.empty() ? surface : Surface(judged.mesh);
-  Inside inside(capped, judged.part, std::vector<std::int8_t>(parts.size() + 1, 1));
+  Inside inside(surface, whole.part, whole.component, std::vector<std::int8_t>(parts.size() + 1, 1));
   SolidReport report;
   report.parity_triangles = static_cast<std::size_t>(std::count(whole.part.begin(), whole.part.end(), 0u));
   const double half = sheets.triangles.empty() ? 0 : 0.5 * sheet_thickness_m;
@@ -130,7 +126,7 @@ SplitSoup split_soup(const Soup& soup, double sheet_thickness_m, const StageProg
   report.overlaps = overlaps.size();
   report.self_crossing_parts = self_crossing.size();
   const Containers containers = find_containers(whole, inside, parts.size(), overlaps, progress);
-  inside = Inside(capped, judged.part, decide_roles(parts, containers, report));
+  inside = Inside(surface, whole.part, whole.component, decide_roles(parts, containers, report));
   if (crossings.empty() && report.swallowed_parts == 0) return {surface, inside, Surface(sheets), half, report};
 
   const Trimmed trimmed = drop_buried(whole.mesh, crossings, inside, progress);
