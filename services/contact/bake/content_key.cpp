@@ -43,12 +43,22 @@ std::uint64_t add_gltf_buffers(const std::string& text, const std::filesystem::p
   return hash;
 }
 
-std::uint64_t body_key(const BodySpec& body, std::uint64_t seed) {
+/// Says whose shape it is that cannot be made.
+Mesh shape_of(const SceneSpec& scene, const char* which, const BodySpec& body) {
+  try {
+    return make_shape(body.shape, body.shape_params);
+  } catch (const SetupError& error) {
+    throw SetupError((scene.file.empty() ? "" : scene.file.string() + ": ") + which + ": " + error.what());
+  }
+}
+
+/// `which`: "obstacle" or "tool".
+std::uint64_t body_key(const SceneSpec& scene, const char* which, const BodySpec& body, std::uint64_t seed) {
   std::ostringstream options;
   options << std::hexfloat << body.unit << '|' << body.sheet_thickness_m;
   std::uint64_t hash = hash_text(options.str(), seed);
   if (!body.shape.empty()) {  // the shape's mesh itself, so that a changed generator is noticed
-    const Mesh mesh = make_shape(body.shape, body.shape_params);
+    const Mesh mesh = shape_of(scene, which, body);
     hash = hash_bytes(std::as_bytes(std::span(mesh.vertices)), hash);
     return hash_bytes(std::as_bytes(std::span(mesh.triangles)), hash);
   }
@@ -79,7 +89,7 @@ std::uint64_t obstacle_key(const SceneSpec& scene) {
   } else {
     options << scene.field_resolution;
   }
-  return body_key(scene.obstacle, hash_text(options.str()));
+  return body_key(scene, "obstacle", scene.obstacle, hash_text(options.str()));
 }
 
 std::uint64_t tool_key(const SceneSpec& scene, double spacing_m) {
@@ -90,7 +100,7 @@ std::uint64_t tool_key(const SceneSpec& scene, double spacing_m) {
   } else {
     options << scene.points;
   }
-  return body_key(scene.tool, hash_text(options.str()));
+  return body_key(scene, "tool", scene.tool, hash_text(options.str()));
 }
 
 double tool_spacing_m(const SceneSpec& scene, const BakedFiles& obstacle) {

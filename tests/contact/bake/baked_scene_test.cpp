@@ -260,6 +260,22 @@ TEST_F(BakedSceneTest, MissingEmptyAndUnknownFilesAreRefused) {
   EXPECT_TRUE(says(refusal(), "unknown mesh format \".step\""));
 }
 
+TEST_F(BakedSceneTest, AWrongShapeIsToldWithTheSceneFileAndTheBody) {
+  const auto told = [&] {
+    try {
+      bake();
+    } catch (const SetupError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  scene_.tool.shape_params = {{"size_x_m", -1}};
+  EXPECT_TRUE(says(told(), "tool: shape box: size_x_m: found -1, expected a number from 1e-06 to 1000")) << told();
+  scene_.file = "/scenes/a.toml";
+  scene_.tool.shape = "boxx";
+  EXPECT_EQ(told().find("/scenes/a.toml: tool: shape: found \"boxx\", expected one of "), 0u) << told();
+}
+
 TEST_F(BakedSceneTest, AMeshWithoutAUnitIsRefused) {
   scene_.obstacle.unit = "";
   EXPECT_TRUE(says(refusal(), "unit"));

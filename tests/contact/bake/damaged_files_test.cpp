@@ -1,13 +1,12 @@
 // Random damage, with fixed seeds, to every kind of file that the server maps: refused with a reason, never a crash.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <fstream>
 #include <functional>
-#include <limits>
 #include <random>
 
 #include "contact/bake/worker/shell_bake.hpp"
+#include "contact/use_loaded.hpp"
 #include "fault/fault.hpp"
 #include "field/distance_field.hpp"
 #include "field/field_builder.hpp"
@@ -24,39 +23,6 @@ struct Kind {
   std::function<void(const std::filesystem::path&)> save, load;
 };
 
-/// Asks a field everything a server asks, one by one and many at once, wherever a tool may be.
-void use(const DistanceField& field) {
-  std::mt19937 random(2);
-  std::uniform_real_distribution<double> unit(-0.5, 1.5);
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  std::vector<Vec3> points{Vec3(nan, 0, 0), Vec3(1e300, -1e300, 0), field.min_O(), field.max_O()};
-  while (points.size() < 203) {  // no multiple of any SIMD width
-    points.push_back(field.min_O() +
-                     Vec3(unit(random), unit(random), unit(random)).cwiseProduct(field.max_O() - field.min_O()));
-  }
-  const std::size_t n = points.size();
-  std::vector<double> x, y, z, probed(n), clearance(n), value(n), gx(n), gy(n), gz(n);
-  std::vector<std::uint8_t> flags(n);
-  for (const Vec3& p : points) x.push_back(p.x()), y.push_back(p.y()), z.push_back(p.z());
-  const DistanceField::Points many{x.data(), y.data(), z.data(), n};
-  field.probe(many, probed.data(), clearance.data());
-  field.sample(many, {value.data(), gx.data(), gy.data(), gz.data(), flags.data()});
-  const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
-  std::size_t differ = 0;
-  volatile double sink = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto sample = field.sample(points[i]);
-    const auto probe = field.probe(points[i]);
-    sink = sink + field.lower_bound(points[i]);
-    const bool agree =
-        same(sample.value_m, value[i]) && same(probe.value_m, probed[i]) && same(probe.clearance_m, clearance[i]) &&
-        same(sample.gradient.x(), gx[i]) && same(sample.gradient.y(), gy[i]) && same(sample.gradient.z(), gz[i]) &&
-        flags[i] == (sample.in_band ? DistanceField::kInBand : 0) + (sample.doubtful ? DistanceField::kDoubtful : 0);
-    differ += agree ? 0 : 1;
-  }
-  EXPECT_EQ(differ, 0u);
-}
-
 std::vector<Kind> kinds() {
   return {{"field",
            [](const auto& path) {
@@ -64,7 +30,11 @@ std::vector<Kind> kinds() {
                                         [](const Vec3& p) { return p.norm() - 0.02; }),
                         path, 42);
            },
-           [](const auto& path) { use(DistanceField::open(path)); }},
+           [](const auto& path) {
+             const DistanceField field = DistanceField::open(path);
+             EXPECT_EQ(test::use(field), 0u);
+             EXPECT_TRUE(test::use(field, test::sound_shell()));
+           }},
           {"shell",
            [](const auto& path) {
              ShellReport report;
@@ -72,7 +42,9 @@ std::vector<Kind> kinds() {
                  bake_shell(clean_soup(test::box_mesh(Vec3::Zero(), Vec3(0.02, 0.01, 0.01))), {200, 4, 0}, {}, report),
                  path);
            },
-           [](const auto& path) { load_pointshell(path); }},
+           [](const auto& path) {
+             EXPECT_TRUE(test::use(test::sound_field(), std::make_shared<const Pointshell>(load_pointshell(path))));
+           }},
           {"mesh", [](const auto& path) { save_mesh(test::torus_mesh(0.04, 0.015, 20, 10), path); },
            [](const auto& path) { load_mesh(path); }}};
 }
@@ -123,6 +95,7 @@ TEST(DamagedFiles, TruncatedAnywhereOrWithBitsFlippedTheyAreRefused) {
 TEST(DamagedFiles, LiesWithAGoodChecksumAreRefusedOrHarmless) {
   const test::ScratchDir scratch;
   const std::pair<SealedKind, Kind> sealed[] = {{kFieldKind, kinds()[0]},
+                                                {{{'S', 'H', 'E', 'L'}, 1, "pointshell"}, kinds()[1]},
                                                 {{{'M', 'E', 'S', 'H'}, 1, "mesh"}, kinds()[2]}};
   for (const auto& [seal, kind] : sealed) {
     const auto path = scratch.path() / kind.name;
