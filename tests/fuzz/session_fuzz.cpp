@@ -1,150 +1,136 @@
-// libFuzzer target for what people write: scene, machine and session files, hand motions, and single keys as on the
-// command line. The first byte chooses. Nothing but a SetupError may come out, and a scene that is accepted is saved
-// and read back as the same session. `session_fuzz --seeds FOLDER` writes files to start from. See README.md.
-#include <unistd.h>
+// What people write. The first byte is the kind: scene, machine and session files, hand motions, device events, and
+// single keys as on the command line. Nothing but one clear SetupError may come out; what is accepted is saved and read
+// back as the same, and its shapes are made. See README.md.
+#include <algorithm>
+#include <string_view>
 
-#include <cstdint>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <string>
-
+#include "coupling/device/device_events.hpp"
 #include "fault/fault.hpp"
+#include "file/whole_file.hpp"
+#include "fuzz/fuzz_target.hpp"
 #include "session/session.hpp"
+#include "shapes/shapes.hpp"
 
+namespace tact::fuzz {
 namespace {
 
-using namespace tact;
-
-const std::filesystem::path& folder() {
-  static const std::filesystem::path path = [] {
-    const std::filesystem::path p =
-        (std::filesystem::exists("/dev/shm") ? "/dev/shm/tact-session-fuzz-" : "/tmp/tact-session-fuzz-") +
-        std::to_string(::getpid());
-    std::filesystem::create_directories(p);
-    std::atexit([] {
-      std::error_code ignored;
-      std::filesystem::remove_all(folder(), ignored);
-    });
-    return p;
-  }();
-  return path;
-}
-
-std::string read(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+/// Calls `read`, which must not refuse: what it reads is our own.
+template <class Read>
+auto must(const Read& read, const std::string& what) {
+  try {
+    return read();
+  } catch (const SetupError& refused) {
+    broken(what + " is refused: " + refused.what());
+  }
 }
 
 void expect_same_back(const Session& session) {
-  const auto first = folder() / "first.toml", second = folder() / "second.toml";
+  const auto first = scratch() / "first.toml", second = scratch() / "second.toml";
   save_session(session, first);
-  save_session(load_session(first), second);  // a SetupError here is a bug: it ends the fuzzer
-  if (read(first) != read(second)) {
-    std::fprintf(stderr, "saved:\n%s\nread back and saved:\n%s\n", read(first).c_str(), read(second).c_str());
-    std::abort();
+  const Session back = must([&] { return load_session(first); }, read_file(first));
+  save_session(back, second);
+  if (read_file(first) != read_file(second)) {
+    broken("saved:\n" + read_file(first) + "\nread back and saved:\n" + read_file(second));
   }
 }
 
-void write_seeds(const std::filesystem::path& seeds) {
-  std::filesystem::create_directories(seeds);
-  const auto seed = [&](const char* name, char kind, const std::string& text) {
-    std::ofstream(seeds / name, std::ios::binary) << kind << text;
-  };
-  Session full;
-  full.name = "full";
-  full.id = ~0ull;
-  full.run_dir = "/tmp";
-  full.scene.name = "full";
-  full.scene.title = "all \"keys\"";
-  full.scene.obstacle.shape = "box";
-  full.scene.obstacle.shape_params["size_x_m"] = 0.5;
-  full.scene.tool.shape = "cone";
-  full.scene.goal_X_WM = Pose{Vec3(0.1, 0, -2), Quat(0, 1, 0, 0)};
-  full.machine.token = "secret-secret";
-  full.run.for_s = 20;
-  save_session(full, folder() / "seed.toml");
-  const std::string session = read(folder() / "seed.toml");
-  std::string scene, machine;  // the same keys without their prefixes
-  for (std::size_t at = 0, end = 0; at < session.size(); at = end + 1) {
-    end = std::min(session.find('\n', at), session.size());
-    const std::string line = session.substr(at, end - at);
-    if (line.rfind("scene.", 0) == 0 && line.find("stiffness_n_per_m = 0") == line.npos &&
-        line.find("tool.points") == line.npos) {
-      scene += line.substr(6) + '\n';
+/// A shape may be refused too, with one clear error; what it is made of is bounded.
+void make_shape_of(const BodySpec& body) {
+  if (body.shape.empty()) return;
+  try {
+    check_shape(body.shape, body.shape_params);
+    const auto& all = all_shapes();
+    const auto info = std::find_if(all.begin(), all.end(), [&](const ShapeInfo& s) { return s.name == body.shape; });
+    const auto has_edge = [](const ShapeParam& p) { return p.name == "edge_m"; };
+    if (std::any_of(info->params.begin(), info->params.end(), has_edge)) return;  // machines: seconds each
+    for (const auto& v : make_shape(body.shape, body.shape_params).vertices) {
+      if (!v.allFinite()) broken("shape " + body.shape + " has a vertex that is nowhere");
     }
-    if (line.rfind("machine.", 0) == 0) machine += line.substr(8) + '\n';
+  } catch (const SetupError& refused) {
+    expect_clear(refused.what(), "shape");
   }
-  seed("scene", 0, scene);
-  seed("tables", 0,
-       "[obstacle]\nshape = \"box\"\nparams = { size_x_m = 1e-2 }\n[tool]\nshape = \"cone\"\npoints = 500\n[start]\n"
-       "position_m = [0, 1, 2.5]\n[contact]\nlaw = \"none\"\n[run]\nfor_s = \"2min\"\n");
-  seed("machine", 1, machine);
-  seed("session", 2, session);
-  seed("hand", 3, "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n0.5, 1e-3,-2,+3.5e1,0,-1,0,0\r\n");
-  seed("keys", 4,
-       "contact.law=global\ntool.points=500\nstart.position_m=1,2,3\nrun.for_s=20s\ncoupling.saturation=off\n");
 }
 
-void load(int kind, const std::filesystem::path& file, const std::string& text) {
+void use(const Session& session) {
+  expect_same_back(session);
+  make_shape_of(session.scene.obstacle);
+  make_shape_of(session.scene.tool);
+}
+
+void load_keys(const std::string& text) {
   Session session;
-  if (kind == 0) {
-    load_scene(file, session);
-    session.name = "fuzz";
-    session.run_dir = folder();
-    check_session(session);
-    expect_same_back(session);
-  } else if (kind == 1) {
-    load_machine(file, session);
-  } else if (kind == 2) {
-    expect_same_back(load_session(file));
-  } else if (kind == 3) {
-    load_hand_motion(file);
-  } else {  // lines of key=value
-    session.name = "fuzz";
-    session.run_dir = folder();
-    session.scene.name = "fuzz";
-    session.scene.obstacle.shape = session.scene.tool.shape = "box";
-    for (std::size_t at = 0, end = 0; at < text.size(); at = end + 1) {
-      end = std::min(text.find('\n', at), text.size());
-      const std::string line = text.substr(at, end - at);
-      const std::size_t equals = std::min(line.find('='), line.size());
-      try {
-        set_key(session, line.substr(0, equals), equals < line.size() ? line.substr(equals + 1) : "");
-      } catch (const SetupError&) {
-      }
+  session.name = "fuzz";
+  session.run_dir = scratch();
+  session.scene.name = "fuzz";
+  session.scene.obstacle.shape = session.scene.tool.shape = "box";
+  std::size_t lines = 0;
+  for (std::size_t at = 0, end = 0; at < text.size() && lines < 10; at = end + 1, ++lines) {
+    end = std::min(text.find('\n', at), text.size());
+    const std::string line = text.substr(at, end - at);
+    const std::size_t equals = std::min(line.find('='), line.size());
+    try {
+      set_key(session, line.substr(0, equals), equals < line.size() ? line.substr(equals + 1) : "");
+    } catch (const SetupError& refused) {
+      expect_clear(refused.what(), "");
     }
-    check_session(session);
-    expect_same_back(session);
+  }
+  check_session(session);
+  use(session);
+}
+
+/// Files that inputs may name.
+void write_others() {
+  write_whole(scratch() / "hand.csv", "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n");
+  write_whole(scratch() / "part.stl", "solid\nendsolid\n");
+}
+
+void load(char kind, const std::filesystem::path& file, const std::string& text) {
+  Session session;
+  switch (kind) {
+    case 's':
+      load_scene(file, session);
+      session.name = "fuzz";
+      session.run_dir = scratch();
+      check_session(session);
+      use(session);
+      break;
+    case 'm':
+      load_machine(file, session);
+      break;
+    case 'r':
+      use(load_session(file));
+      break;
+    case 'h':
+      load_hand_motion(file);
+      break;
+    case 'e':
+      coupling::load_device_events(file);
+      break;
+    default:
+      load_keys(text);
   }
 }
 
 }  // namespace
 
-extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
-  if (*argc == 3 && std::strcmp((*argv)[1], "--seeds") == 0) {
-    write_seeds((*argv)[2]);
-    std::exit(0);
+bool try_input(std::span<const std::uint8_t> input) {
+  // scene, machine, running session, hand motion, device events, keys
+  static constexpr char kKinds[] = {'s', 'm', 'r', 'h', 'e', 'k'};
+  if (input.empty()) return false;
+  const char* known = std::find(std::begin(kKinds), std::end(kKinds), static_cast<char>(input[0]));
+  const char kind = known != std::end(kKinds) ? *known : kKinds[input[0] % std::size(kKinds)];
+  const std::string text(reinterpret_cast<const char*>(input.data()) + 1, input.size() - 1);
+  const auto file = scratch() / "input";
+  static const bool once = (write_others(), true);
+  static_cast<void>(once);
+  write_whole(file, text);
+  try {
+    load(kind, file, text);
+    return true;
+  } catch (const SetupError& refused) {
+    expect_clear(refused.what(), kind == 'k' ? "" : file.string() + ": ");
+    return false;
   }
-  return 0;
 }
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  if (size == 0) return 0;
-  const std::string text(reinterpret_cast<const char*>(data) + 1, size - 1);
-  const auto file = folder() / "input";
-  std::ofstream(file, std::ios::binary) << text;
-  try {
-    load(data[0] % 5, file, text);
-  } catch (const SetupError& refused) {
-    // Refused, as it should be; but what we saved ourselves must read back.
-    if (std::string(refused.what()).find("first.toml") != std::string::npos) {
-      std::fprintf(stderr, "%s\n%s\n", refused.what(), read(folder() / "first.toml").c_str());
-      std::abort();
-    }
-  }
-  return 0;
-}
+}  // namespace tact::fuzz

@@ -1,0 +1,48 @@
+#include "fuzz/fuzz_target.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+namespace tact::fuzz {
+
+void broken(const std::string& what) {
+  std::fprintf(stderr, "broken: %s\n", what.c_str());
+  std::abort();
+}
+
+void expect_clear(const std::string& message, const std::string& what) {
+  const auto has = [&](const std::string& text) { return message.find(text) != std::string::npos; };
+  if (std::any_of(message.begin(), message.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; })) {
+    broken("more than one line, or unprintable: " + message);
+  }
+  if (message.size() > 10000) broken("endless: " + message);
+  if (message.rfind(what, 0) != 0) broken("does not begin with " + what + ": " + message);
+  if (!has("expected ") && !has("delete it and bake again")) broken("does not say what to do: " + message);
+}
+
+const std::filesystem::path& scratch() {
+  static const std::filesystem::path path = [] {
+    // Not "tact-": what a session of that name left there is somebody's to remove.
+    std::filesystem::path p =
+        (std::filesystem::exists("/dev/shm") ? "/dev/shm/fuzz-" : "/tmp/fuzz-") + std::to_string(::getpid());
+    std::filesystem::create_directories(p);
+    std::atexit([] {
+      std::error_code ignored;
+      std::filesystem::remove_all(scratch(), ignored);
+    });
+    return p;
+  }();
+  return path;
+}
+
+std::string read_file(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace tact::fuzz
