@@ -92,10 +92,10 @@ void bench_contact(const Effort& effort, Report& report) {
   constexpr unsigned kSeed = 20;
   const LoadedScene scene = load_scene_by_name("alpha");
   FclPair fcl(scene.obstacle_O, scene.tool_M);
-  report.say(
-      "Alpha: traversal, law, wrench and derivatives, against fcl::collide (BVHModel<OBBRSS<double>>, all "
-      "contacts); same poses, taking turns. Law: " +
-      scene.spec.contact.law + ". Microseconds.");
+  report.say("Alpha: traversal, law, wrench and derivatives, against fcl::collide of FCL " +
+             std::string(FclPair::version()) +
+             " (BVHModel<OBBRSS<double>>, all contacts); same poses, taking turns. Law: " + scene.spec.contact.law +
+             ". Microseconds.");
   std::vector<Report::Row> rows, parts;
   double at_100 = 0;
   for (const Case& c : kCases) {

@@ -26,7 +26,7 @@ void bench_sample(const Effort& effort, Report& report) {
   const DistanceField& field = scene.field;
   const VdbField vdb(scene.obstacle_O, field.min_O(), field.voxel_m(), field.band_m() / field.voxel_m());
   report.say("Alpha, " + std::to_string(cells) + " cells, field of " +
-             number(1e-6 * static_cast<double>(field.bytes())) + " MB (OpenVDB " +
+             number(1e-6 * static_cast<double>(field.bytes())) + " MB (OpenVDB " + VdbField::version() + ": " +
              number(1e-6 * static_cast<double>(vdb.bytes())) +
              " MB): points in the band; Tact gives value and gradient, OpenVDB's BoxSampler with one accessor the "
              "value; same lattice. Blocks of " +

@@ -11,8 +11,8 @@ using bench::Report;
 void peers(const Effort& effort, Report& report) {
   report.say(
       "FCL answers whether triangles meet and how far apart two bodies are; where they overlap it knows no depth to "
-      "push "
-      "out along. It takes soup as it is, and thin parts exactly. OpenVDB's meshToVolume makes the same kind of field; "
+      "push out along. It takes soup as it is, and thin parts exactly. OpenVDB's meshToVolume makes the same kind of "
+      "field; "
       "its sign on soup is a flood fill's, and it has no points, no contacts and no forces. Neither scales stiffness.");
   bench::bench_contact(effort, report);
   bench::bench_sample(effort, report);

@@ -1,5 +1,6 @@
 #include "bench/peers/fcl_peer.hpp"
 
+#include <fcl/config.h>
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/narrowphase/collision.h>
 
@@ -40,5 +41,7 @@ std::size_t FclPair::collide(const Pose& X_OM, std::size_t most) {
   return fcl::collide<double>(&models_->obstacle, fcl::Transform3d::Identity(), &models_->tool, transform, request,
                               models_->result);
 }
+
+const char* FclPair::version() { return FCL_VERSION; }
 
 }  // namespace tact::bench

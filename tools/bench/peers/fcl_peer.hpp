@@ -16,6 +16,8 @@ class FclPair {
   /// the number of contacts, at most `most`.
   std::size_t collide(const Pose& X_OM, std::size_t most);
 
+  static const char* version();
+
  private:
   struct Models;
   std::unique_ptr<Models> models_;

@@ -51,4 +51,6 @@ void VdbField::sample(std::span<const Vec3> points_O, std::span<float> values_m)
 
 std::size_t VdbField::bytes() const { return grid_->grid->memUsage(); }
 
+const char* VdbField::version() { return OPENVDB_LIBRARY_VERSION_STRING; }
+
 }  // namespace tact::bench

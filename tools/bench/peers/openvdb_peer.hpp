@@ -20,6 +20,8 @@ class VdbField {
   void sample(std::span<const Vec3> points_O, std::span<float> values_m) const;
   std::size_t bytes() const;
 
+  static const char* version();
+
  private:
   struct Grid;
   std::unique_ptr<Grid> grid_;
