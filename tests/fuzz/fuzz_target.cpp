@@ -27,9 +27,8 @@ void expect_clear(const std::string& message, const std::string& what) {
 
 const std::filesystem::path& scratch() {
   static const std::filesystem::path path = [] {
-    // Not "tact-": what a session of that name left there is somebody's to remove.
-    std::filesystem::path p =
-        (std::filesystem::exists("/dev/shm") ? "/dev/shm/fuzz-" : "/tmp/fuzz-") + std::to_string(::getpid());
+    // Not in /dev/shm: what a killed fuzzer leaves there, the system tests take for a session's.
+    std::filesystem::path p = std::filesystem::temp_directory_path() / ("fuzz-" + std::to_string(::getpid()));
     std::filesystem::create_directories(p);
     std::atexit([] {
       std::error_code ignored;
