@@ -16,7 +16,7 @@ bool try_input(std::span<const std::uint8_t> input);
 /// Of a refusal: one line, not endless, that names `what` (a file, or nothing) and says what to do. Else broken().
 void expect_clear(const std::string& message, const std::string& what);
 
-/// A folder of this process, in memory where there is such a place; gone when it ends.
+/// A folder of this process below $TMPDIR; gone when it ends.
 const std::filesystem::path& scratch();
 
 std::string read_file(const std::filesystem::path& path);
