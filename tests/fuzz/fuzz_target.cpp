@@ -26,17 +26,19 @@ void expect_clear(const std::string& message, const std::string& what) {
 }
 
 const std::filesystem::path& scratch() {
-  static const std::filesystem::path path = [] {
+  struct Folder {
     // Not in /dev/shm: what a killed fuzzer leaves there, the system tests take for a session's.
-    std::filesystem::path p = std::filesystem::temp_directory_path() / ("fuzz-" + std::to_string(::getpid()));
-    std::filesystem::create_directories(p);
-    std::atexit([] {
+    std::filesystem::path path = std::filesystem::temp_directory_path() / ("fuzz-" + std::to_string(::getpid()));
+    Folder() { std::filesystem::create_directories(path); }
+    ~Folder() {
       std::error_code ignored;
-      std::filesystem::remove_all(scratch(), ignored);
-    });
-    return p;
-  }();
-  return path;
+      std::filesystem::remove_all(path, ignored);
+    }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+  };
+  static const Folder folder;
+  return folder.path;
 }
 
 std::string read_file(const std::filesystem::path& path) {
