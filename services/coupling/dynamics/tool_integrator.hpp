@@ -3,12 +3,12 @@
 
 namespace tact::coupling {
 
-/// Contact wrench on the tool about To at its present pose and twist, linearised: F(x, V) = F - K x - B (V - V_0).
+/// Contact wrench on the tool about To at its present pose and twist, as an implicit step takes it:
+/// F(x, V) = F - K x - B (V - V_0). K and B are symmetric and positive semidefinite.
 struct ContactLoad {
   Wrench F_W;
-  Mat6 K =
-      Mat6::Zero();  ///< that an implicit step meets (WrenchModel: at least -dF/dx); symmetric, positive semidefinite
-  Mat6 B = Mat6::Zero();  ///< of the dampers that are in F_W; symmetric, positive semidefinite
+  Mat6 K = Mat6::Zero();  ///< the contact's stiffness, and what WrenchModel adds to damp the step
+  Mat6 B = Mat6::Zero();  ///< of the dampers that are in F_W
 };
 
 struct BodyState {

@@ -1,6 +1,7 @@
 // A ball of no size, thrown against a wall whose replies come late: what comes back.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 

@@ -123,13 +123,18 @@ TEST_P(BothModes, AnUndampedWallUnderTheCapRingsDownAndNeverUp) {
 
 TEST_P(BothModes, RestsOnAWallWhenRepliesComeTicksLate) {
   for (const int delay : {1, 3, 10}) {
-    Rig::Options options = pressing(GetParam());
-    options.delay = delay;
-    options.k = 1e4;
-    Rig rig(options);
-    rig.run(4);
-    EXPECT_NEAR(rig.status.F_contact_W.force.z(), 10, 0.2) << delay;
-    EXPECT_LT(rig.status.V_WT.linear.norm(), 5e-3) << delay;
+    for (const double rate : {kRates.front(), kRates.back()}) {
+      for (const double k : {1e4, 1e5, 1e6, 1e7}) {
+        Rig::Options options = pressing(GetParam());
+        options.delay = delay;
+        options.rate_hz = rate;
+        options.k = k;
+        Rig rig(options);
+        rig.run(4);
+        EXPECT_NEAR(rig.status.F_contact_W.force.z(), 10, 0.2) << delay << " late, " << rate << " Hz, k " << k;
+        EXPECT_LT(rig.status.V_WT.linear.norm(), 5e-3) << delay << " late, " << rate << " Hz, k " << k;
+      }
+    }
   }
 }
 
@@ -202,6 +207,25 @@ TEST_P(BothModes, NonsenseFromTheServerIsNamedAndChangesNothing) {
     EXPECT_TRUE(rig.status.X_WT.finite());
     EXPECT_NEAR(rig.status.F_coupling_W.force.z(), -10, 0.1);
   }
+}
+
+TEST_P(BothModes, AnInsaneStiffnessFromTheServerIsNamedAndHoldsTheToolNoLonger) {
+  Rig rig(pressing(GetParam())), spared(pressing(GetParam()));
+  rig.run(4), spared.run(4);
+  ContactReply bad = rig.wall.answer(rig.wall.sample);
+  bad.K = 1e308 * Mat6::Identity();
+  for (int i = 0; i < 3; ++i) {
+    bad.pose_seq = rig.wall.sample.seq;
+    rig.mail->reply.write(bad);
+    rig.tick(), spared.tick();
+    EXPECT_TRUE(rig.status.faults & bit(Fault::not_finite));
+  }
+  const double rest_m = rig.status.X_WT.p.z();
+  rig.wall.k *= 2, spared.wall.k *= 2;  // out it goes: as the other, when nothing holds it
+  rig.run(0.05), spared.run(0.05);
+  EXPECT_FALSE(rig.status.faults & bit(Fault::not_finite));
+  EXPECT_GT(std::fabs(spared.status.X_WT.p.z() - rest_m), 1e-4);
+  EXPECT_NEAR(rig.status.X_WT.p.z(), spared.status.X_WT.p.z(), 1e-6);
 }
 
 TEST_P(BothModes, SwitchingSaturationAndStiffnessWhileRunningMakesNoBump) {
